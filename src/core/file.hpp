@@ -1,0 +1,52 @@
+// Files by descriptor: positioned reads and writes that are complete or throw core::Error, never short.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+
+namespace colossus::core {
+
+class File {
+ public:
+  File() = default;
+  ~File();
+  File(File&& other) noexcept;
+  File& operator=(File&& other) noexcept;
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  // Throws Error(kBadData) when the file cannot be opened: a missing input is bad input.
+  static File open_for_reading(const std::filesystem::path& path);
+  // Creates the file, which must not exist when `exclusive`; else truncates it. Throws Error(kCannotCreate).
+  static File create(const std::filesystem::path& path, bool exclusive = false);
+
+  bool is_open() const { return descriptor_ >= 0; }
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t size() const;
+  // Reads up to buffer.size() bytes at offset; fewer only at the end of the file. Throws Error(kIo).
+  std::size_t read_some_at(std::uint64_t offset, std::span<std::byte> buffer) const;
+  // Reads exactly buffer.size() bytes; throws Error(kBadData) that names file, offset, expected and found size.
+  void read_at(std::uint64_t offset, std::span<std::byte> buffer) const;
+  // Writes everything at offset. Throws Error(kIo), or Error(kNoResources) when the disk is full.
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+  // Flushes to the device. Throws Error(kIo).
+  void sync();
+  // Closes and reports a delayed write error, which a destructor could not. Throws Error(kIo).
+  void close();
+  int descriptor() const { return descriptor_; }
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
+// All bytes of a file. Throws like File.
+Bytes read_file(const std::filesystem::path& path);
+
+}  // namespace colossus::core

@@ -1,0 +1,55 @@
+#include "geometry/lattice.hpp"
+
+#include <cmath>
+
+#include "core/error.hpp"
+
+namespace colossus::geometry {
+namespace {
+
+// Cells of kInputSpacing units along the root cube.
+constexpr int kCellBits = kRootBits - 3;
+constexpr double kCells = static_cast<double>(std::int64_t{1} << kCellBits);
+
+}  // namespace
+
+Lattice Lattice::fit(const Bounds& bounds) {
+  COLOSSUS_CHECK(!bounds.is_empty());
+  double extent = 0.0;
+  double magnitude = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    extent = std::max(extent, bounds.high[axis] - bounds.low[axis]);
+    magnitude = std::max({magnitude, std::abs(bounds.low[axis]), std::abs(bounds.high[axis])});
+  }
+  // Four cells of margin keep the bounds strictly inside after rounding; nothing is gained below the spacing of the
+  // input's doubles, and the smallest normal double bounds it for a mesh of one point at the origin.
+  int exponent = -900;
+  if (extent > 0.0) exponent = std::max(exponent, static_cast<int>(std::ceil(std::log2(extent / (kCells - 8.0)))));
+  while (std::ldexp(kCells - 8.0, exponent) < extent) ++exponent;
+  if (magnitude > 0.0) exponent = std::max(exponent, std::ilogb(magnitude) - 52);
+  const double cell = std::ldexp(1.0, exponent);
+  Lattice lattice;
+  lattice.step = cell / kInputSpacing;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double center = bounds.low[axis] + (bounds.high[axis] - bounds.low[axis]) / 2.0;
+    const double base = std::floor(center / cell) * cell - kCells / 2.0 * cell;
+    lattice.origin[axis] = base - lattice.step * kInputResidue[axis];
+  }
+  return lattice;
+}
+
+Point Lattice::input_vertex(const std::array<double, 3>& world) const {
+  Point p;
+  const double cell = step * kInputSpacing;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double base = origin[axis] + step * kInputResidue[axis];
+    const double index = std::floor((world[axis] - base) / cell + 0.5);
+    COLOSSUS_CHECK(index >= 1.0 && index < kCells, "vertex outside the lattice: {}", index);
+    p[static_cast<int>(axis)] = static_cast<std::int32_t>(index) * kInputSpacing + kInputResidue[axis];
+  }
+  return p;
+}
+
+double Lattice::input_error() const { return std::sqrt(3.0) / 2.0 * step * kInputSpacing; }
+
+}  // namespace colossus::geometry

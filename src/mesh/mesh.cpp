@@ -1,0 +1,68 @@
+#include "mesh/mesh.hpp"
+
+#include <bit>
+
+namespace colossus::mesh {
+namespace {
+
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+// a + (b - a) * t / d, rounded to nearest, halves up.
+std::int64_t mix(std::int64_t a, std::int64_t b, std::int64_t t, std::int64_t d) {
+  const std::int64_t scaled = 2 * ((a * (d - t)) + b * t) + d;
+  std::int64_t quotient = scaled / (2 * d);
+  if (scaled % (2 * d) < 0) --quotient;
+  return quotient;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> position_remap(const std::vector<Vertex>& vertices) {
+  std::vector<std::uint32_t> remap(vertices.size());
+  const std::size_t slots = std::bit_ceil(vertices.size() * 2 + 1);
+  std::vector<std::uint32_t> table(slots, kNone);
+  for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+    std::size_t slot = geometry::PointHash{}(vertices[i].position) & (slots - 1);
+    while (table[slot] != kNone && vertices[table[slot]].position != vertices[i].position)
+      slot = (slot + 1) & (slots - 1);
+    if (table[slot] == kNone) table[slot] = i;
+    remap[i] = table[slot];
+  }
+  return remap;
+}
+
+void weld(Mesh& mesh, std::vector<std::uint32_t>* triangle_order) {
+  const std::vector<std::uint32_t> remap = position_remap(mesh.vertices);
+  std::vector<std::uint32_t> renumbered(mesh.vertices.size(), kNone);
+  std::vector<Vertex> vertices;
+  vertices.reserve(mesh.vertices.size());
+  if (triangle_order != nullptr) triangle_order->clear();
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Triangle triangle = mesh.triangles[t];
+    for (auto& v : triangle) v = remap[v];
+    if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
+    for (auto& v : triangle) {
+      if (renumbered[v] == kNone) {
+        renumbered[v] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(mesh.vertices[v]);
+      }
+      v = renumbered[v];
+    }
+    mesh.triangles[kept++] = triangle;
+    if (triangle_order != nullptr) triangle_order->push_back(static_cast<std::uint32_t>(t));
+  }
+  mesh.triangles.resize(kept);
+  mesh.vertices = std::move(vertices);
+}
+
+Vertex interpolate(const Vertex& a, const Vertex& b, std::int64_t numerator, std::int64_t denominator) {
+  Vertex v;
+  for (std::size_t i = 0; i < 3; ++i)
+    v.normal[i] = static_cast<std::int16_t>(mix(a.normal[i], b.normal[i], numerator, denominator));
+  for (std::size_t i = 0; i < 4; ++i)
+    v.color[i] = static_cast<std::uint8_t>(mix(a.color[i], b.color[i], numerator, denominator));
+  return v;
+}
+
+}  // namespace colossus::mesh

@@ -1,0 +1,49 @@
+// Indexed triangle meshes on the lattice, with attributes; welding by position.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/bytes.hpp"
+#include "geometry/octahedral.hpp"
+#include "geometry/point.hpp"
+
+namespace colossus::mesh {
+
+using geometry::Normal16;
+using geometry::Point;
+using Color = std::array<std::uint8_t, 4>;  // red, green, blue, alpha
+using Triangle = std::array<std::uint32_t, 3>;
+
+// A position with attributes; scratch records hold arrays of these.
+struct Vertex {
+  Point position;
+  Normal16 normal{0, 0, 32767};
+  std::uint16_t padding = 0;  // written to scratch, so never indeterminate
+  Color color{255, 255, 255, 255};
+  friend bool operator==(const Vertex&, const Vertex&) = default;
+};
+static_assert(sizeof(Vertex) == 24);
+
+struct Mesh {
+  std::vector<Vertex> vertices;
+  std::vector<Triangle> triangles;
+};
+
+// Two equal lattice positions; collinear triangles with three distinct corners are not degenerate.
+inline bool is_degenerate(const Point& a, const Point& b, const Point& c) { return a == b || b == c || c == a; }
+
+// Vertex indices of the first vertex at the same position, for each of the given positions. Linear; ordered by first
+// occurrence, so it does not depend on any hash.
+std::vector<std::uint32_t> position_remap(const std::vector<Vertex>& vertices);
+
+// Merges vertices at equal positions (the first one's attributes stay), drops unused vertices, orders vertices by
+// first use. Triangles that have become degenerate are dropped; `triangle_order`, if given, receives for each
+// remaining triangle its former index.
+void weld(Mesh& mesh, std::vector<std::uint32_t>* triangle_order = nullptr);
+
+// The attributes at numerator / denominator of the way from a to b, in integers; the position is left to the caller.
+Vertex interpolate(const Vertex& a, const Vertex& b, std::int64_t numerator, std::int64_t denominator);
+
+}  // namespace colossus::mesh

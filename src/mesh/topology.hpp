@@ -1,0 +1,33 @@
+// Edges and their triangles: borders, non-manifold edges and vertices.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace colossus::mesh {
+
+// An undirected edge: ends in index order, how many triangles use it in each direction.
+struct Edge {
+  std::uint32_t a = 0;
+  std::uint32_t b = 0;
+  std::uint32_t forward = 0;   // triangles with a -> b
+  std::uint32_t backward = 0;  // triangles with b -> a
+  std::uint32_t count() const { return forward + backward; }
+  bool is_border() const { return count() == 1; }
+  bool is_nonmanifold() const { return count() > 2; }
+};
+
+// All edges, sorted by ends. n log n.
+std::vector<Edge> edges(std::span<const Triangle> triangles);
+
+// Vertices that are not manifold: on an edge of more than two triangles, or where the triangles around it are more
+// than one fan. One flag per vertex.
+std::vector<bool> nonmanifold_vertices(std::span<const Triangle> triangles, std::size_t vertex_count);
+
+// Number of closed or open chains that the border edges form, joined at shared vertices.
+std::size_t border_loop_count(std::span<const Edge> edges, std::size_t vertex_count);
+
+}  // namespace colossus::mesh
