@@ -1,0 +1,84 @@
+#include "build/assemble.hpp"
+
+#include "container/writer.hpp"
+#include "core/log.hpp"
+
+namespace colossus::build {
+namespace {
+
+container::Metadata metadata_of(const BuildOptions& options, const Catalog& catalog, const NodeSettings& settings,
+                                const Hierarchy& hierarchy) {
+  container::Metadata metadata;
+  metadata.lattice = {catalog.lattice.origin, catalog.lattice.step, geometry::kRootBits};
+  metadata.position_bits = settings.quantize.position_bits;
+  metadata.has_normals = settings.quantize.normals;
+  metadata.has_colors = settings.quantize.colors;
+  metadata.options = {{"leaf_triangles", fmt::format("{}", options.leaf_triangles)},
+                      {"position_bits", fmt::format("{}", settings.quantize.position_bits)}};
+  if (options.tolerance) metadata.options.push_back({"tolerance", fmt::format("{}", *options.tolerance)});
+  if (options.drop_textures) metadata.options.push_back({"drop_textures", "true"});
+  for (const InputFile& file : catalog.files) metadata.inputs.push_back({file.name, file.bytes, file.hash});
+  const InputCounts& c = catalog.counts;
+  std::uint64_t above_limit = 0;
+  for (const LevelStatistics& level : hierarchy.levels) above_limit += level.leaves_above_limit;
+  metadata.counts = {{"vertices", c.vertices},
+                     {"triangles", c.triangles},
+                     {"polygons", c.polygons},
+                     {"small_faces", c.small_faces},
+                     {"degenerate", c.degenerate},
+                     {"duplicate", c.duplicate},
+                     {"border_edges", c.border_edges},
+                     {"nonmanifold_edges", c.nonmanifold_edges},
+                     {"merged_vertices", c.merged_vertices},
+                     {"attribute_seams", c.attribute_seams},
+                     {"leaves_above_limit", above_limit}};
+  const auto add = [&](const char* name, auto value_of) {
+    std::vector<std::uint64_t> values;
+    for (const LevelStatistics& level : hierarchy.levels) values.push_back(value_of(level));
+    metadata.levels.push_back({name, values});
+  };
+  const auto add_real = [&](const char* name, auto value_of) {
+    std::vector<double> values;
+    for (const LevelStatistics& level : hierarchy.levels) values.push_back(value_of(level));
+    metadata.levels.push_back({name, values});
+  };
+  using Level = LevelStatistics;
+  std::uint64_t number = 0;
+  add("level", [&](const Level&) { return number++; });
+  add("nodes", [](const Level& l) { return l.nodes; });
+  add("leaves", [](const Level& l) { return l.leaves; });
+  add("vertices", [](const Level& l) { return l.vertices; });
+  add("triangles", [](const Level& l) { return l.triangles; });
+  add("payload_bytes", [](const Level& l) { return l.payload_bytes; });
+  add("stored_bytes", [](const Level& l) { return l.stored_bytes; });
+  add_real("error", [](const Level& l) { return l.error; });
+  add_real("quantization_error", [](const Level& l) { return l.displacement; });
+  add("initial_triangles", [](const Level& l) { return l.sums.initial_triangles; });
+  add("target_triangles", [](const Level& l) { return l.sums.target_triangles; });
+  add("reached_triangles", [](const Level& l) { return l.sums.reached_triangles; });
+  add("initial_vertices", [](const Level& l) { return l.sums.initial_vertices; });
+  add("locked_vertices", [](const Level& l) { return l.sums.locked_vertices; });
+  add("angle_below_5", [](const Level& l) { return l.sums.angles.below_5_degrees; });
+  add("angle_below_15", [](const Level& l) { return l.sums.angles.below_15_degrees; });
+  add("angle_below_30", [](const Level& l) { return l.sums.angles.below_30_degrees; });
+  return metadata;
+}
+
+}  // namespace
+
+std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const NodeSettings& settings,
+                       const Hierarchy& hierarchy) {
+  if (hierarchy.nodes.empty())
+    core::fail(core::Status::kBadData,
+               "the input has {} triangles, but all of them are degenerate: nothing can be built",
+               catalog.counts.triangles);
+  container::ContainerWriter writer(workspace.options.output);
+  std::vector<container::NodeRow> rows;
+  for (const FinishedNode& node : hierarchy.nodes) rows.push_back(node.row);
+  writer.add_nodes(metadata_of(workspace.options, catalog, settings, hierarchy), std::move(rows));
+  for (const FinishedNode& node : hierarchy.nodes) writer.append_chunk(workspace.reader.read(node.chunk));
+  writer.commit();
+  return std::filesystem::file_size(workspace.options.output);
+}
+
+}  // namespace colossus::build

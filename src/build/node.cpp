@@ -1,0 +1,174 @@
+#include "build/node.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "build/diamond_region.hpp"
+#include "codec/node_codec.hpp"
+#include "container/chunk.hpp"
+#include "simplify/collapse.hpp"
+
+namespace colossus::build {
+namespace {
+
+using core::ByteReader;
+using core::Bytes;
+using core::ByteWriter;
+using hierarchy::Diamond;
+
+std::vector<PlacedMesh> load_parts(const Workspace& workspace, const NodeTask& task) {
+  std::vector<PlacedMesh> parts;
+  for (const NodePart& part : task.parts) parts.push_back({part.place, load(workspace, part.record)});
+  return parts;
+}
+
+std::size_t target_of(const NodeSettings& settings, const std::vector<PlacedMesh>& parts) {
+  std::uint64_t total = 0;
+  std::uint32_t places = 0;
+  for (const PlacedMesh& part : parts) {
+    total += part.content.mesh.triangles.size();
+    places |= 1U << part.place;
+  }
+  const auto count = static_cast<std::uint64_t>(std::popcount(places));
+  return std::min(total, std::max(total / 2, settings.floor_triangles * count));
+}
+
+std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond,
+                                      std::vector<PlacedMesh>&& parts, NodeStatistics& statistics) {
+  const std::size_t target = target_of(settings, parts);
+  simplify::Region region = make_region(diamond, parts);
+  parts.clear();
+  const simplify::Outcome outcome = simplify::simplify(region, target);
+  statistics.initial_triangles = outcome.initial_triangles;
+  statistics.target_triangles = target;
+  statistics.initial_vertices = outcome.initial_vertices;
+  statistics.locked_vertices = outcome.locked_vertices;
+  return split_region(region, diamond);
+}
+
+// World bounds of what a reader decodes, in the reader's own arithmetic.
+class StoredBounds {
+ public:
+  void add(const codec::QuantizedTetrahedron& part, const hierarchy::Tetrahedron& tetrahedron) {
+    for (const codec::Weights& w : part.weights) {
+      const codec::ScaledPosition p = codec::scaled_position(w, tetrahedron);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low_[axis] = std::min(low_[axis], p[axis]);
+        high_[axis] = std::max(high_[axis], p[axis]);
+      }
+    }
+  }
+  std::array<double, 6> world(const geometry::Lattice& lattice, int position_bits) const {
+    const double step = lattice.step / static_cast<double>(std::int64_t{1} << position_bits);
+    std::array<double, 6> bounds{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      bounds[axis] = lattice.origin[axis] + step * static_cast<double>(low_[axis]);
+      bounds[axis + 3] = lattice.origin[axis] + step * static_cast<double>(high_[axis]);
+    }
+    return bounds;
+  }
+
+ private:
+  codec::ScaledPosition low_{INT64_MAX, INT64_MAX, INT64_MAX};
+  codec::ScaledPosition high_{INT64_MIN, INT64_MIN, INT64_MIN};
+};
+
+}  // namespace
+
+Bytes NodeTask::to_bytes() const {
+  ByteWriter writer;
+  writer.put(center);
+  writer.put(is_leaf);
+  writer.put(least_error);
+  writer.put_array<NodePart>(parts);
+  return writer.take();
+}
+
+NodeTask NodeTask::from_bytes(std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  NodeTask task;
+  task.center = reader.get<hierarchy::Point>();
+  task.is_leaf = reader.get<bool>();
+  task.least_error = reader.get<double>();
+  task.parts = reader.get_array<NodePart>(reader.remaining() / sizeof(NodePart));
+  COLOSSUS_CHECK(!reader.failed());
+  return task;
+}
+
+Bytes NodeResult::to_bytes() const {
+  ByteWriter writer;
+  writer.put(row);
+  writer.put(chunk);
+  writer.put(statistics);
+  writer.put(displacement);
+  writer.put_array<TetrahedronRecord>(tetrahedra);
+  return writer.take();
+}
+
+NodeResult NodeResult::from_bytes(std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  NodeResult result;
+  result.row = reader.get<container::NodeRow>();
+  result.chunk = reader.get<scratch::RecordRef>();
+  result.statistics = reader.get<NodeStatistics>();
+  result.displacement = reader.get<double>();
+  result.tetrahedra = reader.get_array<TetrahedronRecord>(reader.remaining() / sizeof(TetrahedronRecord));
+  COLOSSUS_CHECK(!reader.failed());
+  return result;
+}
+
+NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, const NodeTask& task) {
+  const Diamond diamond = Diamond::at(task.center);
+  NodeResult result;
+  std::vector<PlacedMesh> parts = load_parts(workspace, task);
+  if (!task.is_leaf) parts = simplify_node(settings, diamond, std::move(parts), result.statistics);
+
+  container::NodeRow& row = result.row;
+  row.level = static_cast<std::uint32_t>(diamond.level);
+  row.center = {task.center.x, task.center.y, task.center.z};
+  row.flags = task.is_leaf ? container::kNodeIsLeaf : 0;
+  codec::NodeMesh node;
+  node.position_bits = settings.quantize.position_bits;
+  node.has_normals = settings.quantize.normals;
+  node.has_colors = settings.quantize.colors;
+  StoredBounds bounds;
+  double error = 0.0;
+  for (const PlacedMesh& part : parts) {
+    const hierarchy::Tetrahedron& tetrahedron = diamond.tetrahedra[part.place];
+    codec::Quantized stored =
+        codec::quantize(part.content.mesh, tetrahedron, static_cast<std::uint8_t>(part.place), settings.quantize);
+    const simplify::AngleCounts angles = simplify::count_small_angles(part.content.mesh);
+    result.statistics.angles.below_5_degrees += angles.below_5_degrees;
+    result.statistics.angles.below_15_degrees += angles.below_15_degrees;
+    result.statistics.angles.below_30_degrees += angles.below_30_degrees;
+    result.statistics.reached_triangles += part.content.mesh.triangles.size();
+    const double displacement = stored.displacement * settings.lattice.step;
+    const auto greatest = std::max_element(part.content.deviations.begin(), part.content.deviations.end());
+    const double deviation =
+        greatest == part.content.deviations.end() ? 0.0 : static_cast<double>(*greatest) * settings.lattice.step;
+    error = std::max(error, deviation + displacement + settings.input_error);
+    result.displacement = std::max(result.displacement, displacement);
+    if (task.is_leaf && part.content.mesh.triangles.size() > settings.leaf_triangles)
+      row.flags = static_cast<std::uint8_t>(row.flags | container::kNodeIsAboveLimit);
+    if (stored.tetrahedron.triangles.empty()) continue;
+    row.tetra_mask = static_cast<std::uint8_t>(row.tetra_mask | 1U << part.place);
+    row.vertices += static_cast<std::uint32_t>(stored.tetrahedron.weights.size());
+    row.triangles += static_cast<std::uint32_t>(stored.tetrahedron.triangles.size());
+    bounds.add(stored.tetrahedron, tetrahedron);
+    node.tetrahedra.push_back(std::move(stored.tetrahedron));
+  }
+  row.error = std::max(error, task.least_error);
+  if (row.triangles > 0) row.bounds = bounds.world(settings.lattice, node.position_bits);
+  const container::PackedChunk chunk = container::pack_chunk(codec::encode(node));
+  row.capacity_class = chunk.capacity_class;
+  row.payload_bytes = chunk.payload_bytes;
+  row.stored_bytes = chunk.frame.size();
+  row.checksum = chunk.checksum;
+  result.chunk = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
+  if (!task.is_leaf)
+    for (const PlacedMesh& part : parts)
+      result.tetrahedra.push_back(store(workspace, {task.center, part.place}, part.content));
+  return result;
+}
+
+}  // namespace colossus::build

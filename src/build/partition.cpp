@@ -1,0 +1,391 @@
+#include "build/partition.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <unordered_map>
+
+#include "build/buckets.hpp"
+#include "cluster/farm.hpp"
+#include "core/log.hpp"
+#include "mesh/clip.hpp"
+#include "mesh/topology.hpp"
+
+namespace colossus::build {
+namespace {
+
+using core::ByteReader;
+using core::Bytes;
+using core::ByteWriter;
+using hierarchy::Diamond;
+using hierarchy::Point;
+using hierarchy::Tetrahedron;
+using mesh::Mesh;
+
+// What a bucket or a forced split gives back.
+struct Refinement {
+  std::vector<TetrahedronRecord> leaves;
+  std::vector<Point> splits;
+  std::uint64_t duplicates = 0;
+  std::uint64_t border_edges = 0;
+  std::uint64_t nonmanifold_edges = 0;
+
+  Bytes to_bytes() const {
+    ByteWriter writer;
+    writer.put(std::array<std::uint64_t, 5>{leaves.size(), splits.size(), duplicates, border_edges, nonmanifold_edges});
+    writer.put_array<TetrahedronRecord>(leaves);
+    writer.put_array<Point>(splits);
+    return writer.take();
+  }
+  static Refinement from_bytes(const Bytes& bytes) {
+    ByteReader reader(bytes);
+    const auto counts = reader.get<std::array<std::uint64_t, 5>>();
+    Refinement refinement;
+    refinement.leaves = reader.get_array<TetrahedronRecord>(counts[0]);
+    refinement.splits = reader.get_array<Point>(counts[1]);
+    refinement.duplicates = counts[2];
+    refinement.border_edges = counts[3];
+    refinement.nonmanifold_edges = counts[4];
+    COLOSSUS_CHECK(!reader.failed());
+    return refinement;
+  }
+};
+
+// Bisects one tetrahedron's mesh as far as it must and may.
+class Refiner {
+ public:
+  Refiner(const Workspace& workspace, const DiamondSet& splits) : workspace_(workspace), splits_(splits) {}
+
+  void refine(const Tetrahedron& tetrahedron, Mesh&& mesh, Refinement& out) {
+    if (mesh.triangles.empty()) return;
+    const Point center = tetrahedron.center();
+    const bool is_forced = splits_.contains(center);
+    if (!is_forced && !is_worth_splitting(tetrahedron, mesh)) {
+      mesh::weld(mesh);
+      if (!mesh.triangles.empty())
+        out.leaves.push_back(store(workspace_, hierarchy::id_of(tetrahedron), {std::move(mesh), {}}));
+      return;
+    }
+    if (!is_forced) out.splits.push_back(center);
+    split_into(tetrahedron, std::move(mesh), out);
+  }
+
+  void split_into(const Tetrahedron& tetrahedron, Mesh&& mesh, Refinement& out) {
+    auto halves = mesh::split(mesh, tetrahedron.bisector());
+    mesh = {};
+    refine(tetrahedron.child(0), std::move(halves[0]), out);
+    refine(tetrahedron.child(1), std::move(halves[1]), out);
+  }
+
+ private:
+  bool is_worth_splitting(const Tetrahedron& tetrahedron, const Mesh& mesh) const {
+    if (mesh.triangles.size() <= workspace_.options.leaf_triangles) return false;
+    Tetrahedron at = tetrahedron;
+    const Mesh* current = &mesh;
+    Mesh kept;
+    while (hierarchy::level_of(at.center()) < hierarchy::kMaxLevel) {
+      auto halves = mesh::split(*current, at.bisector());
+      const std::size_t whole = current->triangles.size();
+      const std::size_t greater = halves[0].triangles.size() >= halves[1].triangles.size() ? 0 : 1;
+      const std::size_t most = halves[greater].triangles.size();
+      if (most * 10 <= whole * 9) return true;
+      if ((most + halves[1 - greater].triangles.size()) * 20 > whole * 21) return false;
+      kept = std::move(halves[greater]);
+      current = &kept;
+      at = at.child(static_cast<int>(greater));
+    }
+    return false;
+  }
+
+  const Workspace& workspace_;
+  const DiamondSet& splits_;
+};
+
+// The triangles of one bucket with their vertices, welded by position, without duplicates.
+class BucketMesh {
+ public:
+  BucketMesh(const Workspace& workspace, const VertexStore& store, const Cube& cube,
+             std::span<const scratch::RecordRef> records)
+      : cube_(cube) {
+    std::vector<BucketTriangle> triangles;
+    for (const auto& record : records) {
+      const Bytes bytes = workspace.reader.read(record);
+      const auto part = ByteReader(bytes).get_array<BucketTriangle>(bytes.size() / sizeof(BucketTriangle));
+      triangles.insert(triangles.end(), part.begin(), part.end());
+    }
+    index(triangles, store);
+    mesh::weld(mesh_);
+    drop_duplicates();
+    count_edges();
+  }
+
+  Mesh& mesh() { return mesh_; }
+  std::uint64_t duplicates() const { return duplicates_; }
+  std::uint64_t border_edges() const { return border_edges_; }
+  std::uint64_t nonmanifold_edges() const { return nonmanifold_edges_; }
+
+ private:
+  void index(const std::vector<BucketTriangle>& triangles, const VertexStore& store) {
+    std::unordered_map<std::uint64_t, std::uint32_t> local;
+    local.reserve(triangles.size());
+    mesh_.triangles.reserve(triangles.size());
+    for (const BucketTriangle& t : triangles) {
+      mesh::Triangle corners;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto [entry, is_new] = local.try_emplace(t[k], static_cast<std::uint32_t>(mesh_.vertices.size()));
+        if (is_new) mesh_.vertices.push_back(store[t[k]]);
+        corners[k] = entry->second;
+      }
+      mesh_.triangles.push_back(corners);
+    }
+  }
+
+  const Point& position(std::uint32_t v) const { return mesh_.vertices[v].position; }
+
+  // Same positions in the same cyclic order: all but the first go. Each is counted in the one bucket that holds its
+  // least corner, which lies on no plane.
+  void drop_duplicates() {
+    struct Key {
+      mesh::Triangle corners;
+      std::uint32_t index;
+    };
+    std::vector<Key> keys;
+    keys.reserve(mesh_.triangles.size());
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      const mesh::Triangle& t = mesh_.triangles[i];
+      const auto k = static_cast<std::size_t>(std::min_element(t.begin(), t.end()) - t.begin());
+      keys.push_back({{t[k], t[(k + 1) % 3], t[(k + 2) % 3]}, i});
+    }
+    std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
+      return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
+    });
+    std::vector<bool> is_duplicate(mesh_.triangles.size(), false);
+    for (std::size_t i = 1; i < keys.size(); ++i)
+      if (keys[i].corners == keys[i - 1].corners) {
+        is_duplicate[keys[i].index] = true;
+        const auto& c = keys[i].corners;
+        const Point least = std::min({position(c[0]), position(c[1]), position(c[2])});
+        duplicates_ += cube_.contains(least) ? 1 : 0;
+      }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+      if (!is_duplicate[i]) mesh_.triangles[kept++] = mesh_.triangles[i];
+    mesh_.triangles.resize(kept);
+  }
+
+  // An edge is counted in the bucket that holds its lesser end: all triangles at it meet that cube.
+  void count_edges() {
+    for (const mesh::Edge& edge : mesh::edges(mesh_.triangles)) {
+      if (!edge.is_border() && !edge.is_nonmanifold()) continue;
+      if (!cube_.contains(std::min(position(edge.a), position(edge.b)))) continue;
+      ++(edge.is_border() ? border_edges_ : nonmanifold_edges_);
+    }
+  }
+
+  Cube cube_;
+  Mesh mesh_;
+  std::uint64_t duplicates_ = 0;
+  std::uint64_t border_edges_ = 0;
+  std::uint64_t nonmanifold_edges_ = 0;
+};
+
+// Cuts a bucket's triangles from the root on, following only tetrahedra that reach into its cube: everybody enters
+// through the same sequence of planes.
+class BucketCutter {
+ public:
+  BucketCutter(const Cube& cube, Refiner& refiner, Refinement& out) : refiner_(refiner), out_(out) {
+    const std::int64_t side = std::int64_t{geometry::kRootSide} >> cube.depth;
+    low_ = {static_cast<std::int32_t>(cube.x * side), static_cast<std::int32_t>(cube.y * side),
+            static_cast<std::int32_t>(cube.z * side)};
+    high_ = {static_cast<std::int32_t>(low_.x + side), static_cast<std::int32_t>(low_.y + side),
+             static_cast<std::int32_t>(low_.z + side)};
+    level_ = 3 * cube.depth;
+  }
+
+  void cut(Mesh&& mesh) {
+    const auto planes = hierarchy::root_planes();
+    const Diamond root = Diamond::at(hierarchy::root_center());
+    auto by_xy = mesh::split(mesh, planes[0]);
+    mesh = {};
+    for (std::size_t i = 0; i < 2; ++i) {
+      auto by_yz = mesh::split(by_xy[i], planes[1]);
+      for (std::size_t j = 0; j < 2; ++j) {
+        auto by_xz = mesh::split(by_yz[j], planes[2]);
+        for (std::size_t k = 0; k < 2; ++k) enter(root, {i == 0, j == 0, k == 0}, std::move(by_xz[k]));
+      }
+    }
+  }
+
+ private:
+  // The root tetrahedron on the given sides of the three planes; two of the eight combinations have none.
+  void enter(const Diamond& root, const std::array<bool, 3>& is_above, Mesh&& mesh) {
+    if (mesh.triangles.empty()) return;
+    const auto planes = hierarchy::root_planes();
+    for (int place = 0; place < root.place_count; ++place) {
+      const Tetrahedron& t = root.tetrahedra[static_cast<std::size_t>(place)];
+      bool is_here = true;
+      for (std::size_t p = 0; p < 3; ++p)
+        for (const Point& corner : t.corners)
+          is_here &= is_above[p] ? planes[p].side(corner) >= 0 : planes[p].side(corner) <= 0;
+      if (is_here) descend(t, 0, std::move(mesh));
+    }
+  }
+
+  void descend(const Tetrahedron& tetrahedron, int level, Mesh&& mesh) {
+    if (mesh.triangles.empty() || !reaches_into_cube(tetrahedron)) return;
+    if (level == level_) {
+      refiner_.refine(tetrahedron, std::move(mesh), out_);
+      return;
+    }
+    out_.splits.push_back(tetrahedron.center());
+    auto halves = mesh::split(mesh, tetrahedron.bisector());
+    mesh = {};
+    descend(tetrahedron.child(0), level + 1, std::move(halves[0]));
+    descend(tetrahedron.child(1), level + 1, std::move(halves[1]));
+  }
+
+  bool reaches_into_cube(const Tetrahedron& t) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      std::int32_t least = t.corners[0][axis];
+      std::int32_t most = least;
+      for (const Point& corner : t.corners) {
+        least = std::min(least, corner[axis]);
+        most = std::max(most, corner[axis]);
+      }
+      if (most <= low_[axis] || least >= high_[axis]) return false;
+    }
+    return true;
+  }
+
+  Refiner& refiner_;
+  Refinement& out_;
+  Point low_;
+  Point high_;
+  int level_ = 0;
+};
+
+class Partitioner {
+ public:
+  Partitioner(const Workspace& workspace, Catalog& catalog) : workspace_(workspace), catalog_(catalog) {}
+
+  Partition run() {
+    cut_buckets();
+    while (complete_diamonds()) {
+    }
+    std::sort(partition_.leaves.begin(), partition_.leaves.end(), [](const auto& a, const auto& b) {
+      const int level_a = hierarchy::level_of(a.id.center);
+      const int level_b = hierarchy::level_of(b.id.center);
+      return level_a != level_b ? level_a < level_b : a.id < b.id;
+    });
+    return std::move(partition_);
+  }
+
+ private:
+  void cut_buckets() {
+    const std::vector<Bucket> buckets = fill_buckets(workspace_, catalog_);
+    std::vector<std::size_t> filled;
+    for (std::size_t i = 0; i < buckets.size(); ++i)
+      if (buckets[i].triangle_count > 0) filled.push_back(i);
+    // The largest first, so that none of them starts last.
+    std::stable_sort(filled.begin(), filled.end(), [&](std::size_t a, std::size_t b) {
+      return buckets[a].triangle_count > buckets[b].triangle_count;
+    });
+    scratch::MappedSpool mapped(workspace_.scratch);
+    std::optional<VertexStore> store;
+    workspace_.ranks.attempt([&] { store.emplace(catalog_.vertex_blocks, mapped); });
+    std::vector<Refinement> results(filled.size());
+    cluster::run_farm(
+        workspace_.ranks, filled.size(),
+        [&](std::size_t i) {
+          ByteWriter writer;
+          writer.put(buckets[filled[i]].cube);
+          writer.put_array<scratch::RecordRef>(buckets[filled[i]].records);
+          return writer.take();
+        },
+        [&](std::span<const std::byte> task) {
+          ByteReader reader(task);
+          const auto cube = reader.get<Cube>();
+          const auto records = reader.get_array<scratch::RecordRef>(reader.remaining() / sizeof(scratch::RecordRef));
+          BucketMesh bucket(workspace_, *store, cube, records);
+          Refinement out;
+          out.duplicates = bucket.duplicates();
+          out.border_edges = bucket.border_edges();
+          out.nonmanifold_edges = bucket.nonmanifold_edges();
+          Refiner refiner(workspace_, partition_.splits);
+          BucketCutter(cube, refiner, out).cut(std::move(bucket.mesh()));
+          return out.to_bytes();
+        },
+        [&](std::size_t i, Bytes result) { results[i] = Refinement::from_bytes(result); });
+    for (Refinement& result : results) {
+      catalog_.counts.duplicate += result.duplicates;
+      catalog_.counts.border_edges += result.border_edges;
+      catalog_.counts.nonmanifold_edges += result.nonmanifold_edges;
+      take(std::move(result));
+    }
+    broadcast_value(workspace_.ranks, catalog_.counts);
+    share_splits();
+  }
+
+  void take(Refinement&& result) {
+    partition_.leaves.insert(partition_.leaves.end(), result.leaves.begin(), result.leaves.end());
+    new_splits_.insert(new_splits_.end(), result.splits.begin(), result.splits.end());
+  }
+
+  // Closes the new splits under parents and tells all ranks.
+  void share_splits() {
+    std::vector<Point> closed;
+    std::vector<Point> pending = std::move(new_splits_);
+    new_splits_.clear();
+    while (!pending.empty()) {
+      const Point center = pending.back();
+      pending.pop_back();
+      if (!partition_.splits.insert(center).second) continue;
+      closed.push_back(center);
+      for (const Point& parent : Diamond::at(center).parents()) pending.push_back(parent);
+    }
+    broadcast_values(workspace_.ranks, closed);
+    partition_.splits.insert(closed.begin(), closed.end());
+  }
+
+  // Splits the leaves whose diamonds are split elsewhere. False when there was nothing to do. Collective.
+  bool complete_diamonds() {
+    std::vector<TetrahedronRecord> forced;
+    if (workspace_.ranks.is_root()) {
+      const auto is_forced = [&](const TetrahedronRecord& leaf) { return partition_.splits.contains(leaf.id.center); };
+      std::copy_if(partition_.leaves.begin(), partition_.leaves.end(), std::back_inserter(forced), is_forced);
+      std::erase_if(partition_.leaves, is_forced);
+    }
+    std::uint64_t count = forced.size();
+    broadcast_value(workspace_.ranks, count);
+    if (count == 0) return false;
+    std::vector<Refinement> results(forced.size());
+    cluster::run_farm(
+        workspace_.ranks, forced.size(),
+        [&](std::size_t i) {
+          ByteWriter writer;
+          writer.put(forced[i]);
+          return writer.take();
+        },
+        [&](std::span<const std::byte> task) {
+          const auto leaf = ByteReader(task).get<TetrahedronRecord>();
+          Refinement out;
+          Refiner(workspace_, partition_.splits)
+              .split_into(hierarchy::tetrahedron_of(leaf.id), std::move(load(workspace_, leaf.record).mesh), out);
+          return out.to_bytes();
+        },
+        [&](std::size_t i, Bytes result) { results[i] = Refinement::from_bytes(result); });
+    for (Refinement& result : results) take(std::move(result));
+    share_splits();
+    return true;
+  }
+
+  const Workspace& workspace_;
+  Catalog& catalog_;
+  Partition partition_;
+  std::vector<Point> new_splits_;  // on rank 0
+};
+
+}  // namespace
+
+Partition partition(const Workspace& workspace, Catalog& catalog) { return Partitioner(workspace, catalog).run(); }
+
+}  // namespace colossus::build

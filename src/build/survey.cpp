@@ -1,0 +1,238 @@
+#include "build/survey.hpp"
+
+#include <xxhash.h>
+
+#include "cluster/farm.hpp"
+#include "core/file.hpp"
+#include "core/log.hpp"
+
+namespace colossus::build {
+namespace {
+
+using core::ByteReader;
+using core::Bytes;
+using core::ByteWriter;
+
+// A survey task: one part of one file, or the hash of its whole content.
+struct SurveyTask {
+  std::uint32_t file = 0;
+  std::uint32_t is_hash = 0;
+  input::Part part;
+};
+
+struct PartCounts {
+  geometry::Bounds bounds;
+  std::uint64_t polygons = 0;
+  std::uint64_t small_faces = 0;
+  std::uint32_t is_uniform = 1;  // 0: faces are not all triangles, the file must be read sequentially
+};
+
+// Writes blocks to scratch as they come.
+class ScratchSink : public input::BlockSink {
+ public:
+  ScratchSink(const Workspace& workspace, std::uint32_t file) : workspace_(workspace), file_(file) {}
+
+  void vertices(std::uint64_t first, input::VertexBlock&& block) override {
+    for (const auto& p : block.positions) counts.bounds.add(p);
+    VertexBlockRef ref;
+    ref.file = file_;
+    ref.count = static_cast<std::uint32_t>(block.positions.size());
+    ref.first = first;
+    const std::array<std::uint64_t, 2> present{block.normals.empty() ? 0U : 1U, block.colors.empty() ? 0U : 1U};
+    ref.record = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kRawVertices),
+                                          {std::as_bytes(std::span(present)), core::as_bytes(block.positions),
+                                           core::as_bytes(block.normals), core::as_bytes(block.colors)});
+    vertex_blocks.push_back(ref);
+  }
+
+  void triangles(input::TriangleBlock&& block) override {
+    if (block.triangles.empty()) return;
+    TriangleBlockRef ref;
+    ref.file = file_;
+    ref.count = static_cast<std::uint32_t>(block.triangles.size());
+    ref.record =
+        workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kTriangles), core::as_bytes(block.triangles));
+    triangle_blocks.push_back(ref);
+  }
+
+  void odd_faces(const input::OddFaces& odd) override {
+    counts.polygons += odd.polygons;
+    counts.small_faces += odd.small;
+  }
+
+  PartCounts counts;
+  std::vector<VertexBlockRef> vertex_blocks;
+  std::vector<TriangleBlockRef> triangle_blocks;
+
+ private:
+  const Workspace& workspace_;
+  std::uint32_t file_;
+};
+
+Bytes hash_of_file(const std::filesystem::path& path) {
+  const core::File file = core::File::open_for_reading(path);
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  Bytes buffer(std::size_t{4} << 20);
+  for (std::uint64_t offset = 0;;) {
+    const std::size_t got = file.read_some_at(offset, buffer);
+    if (got == 0) break;
+    XXH3_128bits_update(state.get(), buffer.data(), got);
+    offset += got;
+  }
+  const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
+  const std::string text = fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+class Survey {
+ public:
+  explicit Survey(const Workspace& workspace) : workspace_(workspace) {}
+
+  Catalog run() {
+    open_sources();
+    std::vector<SurveyTask> tasks;
+    for (std::uint32_t f = 0; f < sources_.size(); ++f) {
+      tasks.push_back({f, 1, {}});
+      for (const input::Part& part : sources_[f]->parts()) tasks.push_back({f, 0, part});
+    }
+    run_tasks(tasks);
+    reread_irregular_files();
+    number_through();
+    share();
+    return std::move(catalog_);
+  }
+
+ private:
+  void open_sources() {
+    workspace_.ranks.attempt([&] {
+      for (const auto& path : input::expand_inputs(workspace_.options.inputs)) {
+        sources_.push_back(input::open_source(path, {workspace_.options.drop_textures}));
+        const input::SourceInfo& info = sources_.back()->info();
+        catalog_.files.push_back({path.filename().string(), info.bytes, "", info.has_normals, info.has_colors});
+        catalog_.has_normals |= info.has_normals;
+        catalog_.has_colors |= info.has_colors;
+        core::log("input {}: {}, {} vertices, {} faces{}{}", path.string(), info.format, info.vertex_count,
+                  info.face_count, info.has_normals ? ", normals" : "", info.has_colors ? ", colours" : "");
+        for (const std::string& name : info.skipped) core::log("input {}: {} is skipped", path.string(), name);
+        for (const std::string& name : info.textures) core::log("input {}: {} is dropped", path.string(), name);
+      }
+    });
+  }
+
+  void run_tasks(const std::vector<SurveyTask>& tasks) {
+    // Results arrive in any order; they are kept by task, so that blocks come in the order of the files' faces.
+    std::vector<Bytes> results(tasks.size());
+    run_farm(
+        workspace_.ranks, tasks.size(),
+        [&](std::size_t i) {
+          ByteWriter writer;
+          writer.put(tasks[i]);
+          return writer.take();
+        },
+        [&](std::span<const std::byte> bytes) {
+          const auto task = ByteReader(bytes).get<SurveyTask>();
+          return task.is_hash != 0 ? hash_of_file(sources_[task.file]->info().path) : read_part(task);
+        },
+        [&](std::size_t i, Bytes result) { results[i] = std::move(result); });
+    if (!workspace_.ranks.is_root()) return;
+    is_irregular_.resize(sources_.size(), false);
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      if (tasks[i].is_hash != 0)
+        catalog_.files[tasks[i].file].hash.assign(reinterpret_cast<const char*>(results[i].data()), results[i].size());
+      else
+        take_part(tasks[i].file, results[i]);
+    }
+  }
+
+  Bytes read_part(const SurveyTask& task) {
+    ScratchSink sink(workspace_, task.file);
+    if (!sources_[task.file]->read(task.part, sink)) sink.counts.is_uniform = 0;
+    ByteWriter writer;
+    writer.put(sink.counts);
+    writer.put(sink.vertex_blocks.size());
+    writer.put_array<VertexBlockRef>(sink.vertex_blocks);
+    writer.put(sink.triangle_blocks.size());
+    writer.put_array<TriangleBlockRef>(sink.triangle_blocks);
+    return writer.take();
+  }
+
+  void take_part(std::uint32_t file, const Bytes& result) {
+    ByteReader reader(result);
+    const auto part = reader.get<PartCounts>();
+    if (!part.bounds.is_empty()) {
+      catalog_.bounds.add(part.bounds.low);
+      catalog_.bounds.add(part.bounds.high);
+    }
+    catalog_.counts.polygons += part.polygons;
+    catalog_.counts.small_faces += part.small_faces;
+    if (part.is_uniform == 0) is_irregular_[file] = true;
+    const auto vertex_blocks = reader.get_array<VertexBlockRef>(reader.get<std::size_t>());
+    catalog_.vertex_blocks.insert(catalog_.vertex_blocks.end(), vertex_blocks.begin(), vertex_blocks.end());
+    const auto triangle_blocks = reader.get_array<TriangleBlockRef>(reader.get<std::size_t>());
+    catalog_.triangle_blocks.insert(catalog_.triangle_blocks.end(), triangle_blocks.begin(), triangle_blocks.end());
+    COLOSSUS_CHECK(!reader.failed());
+  }
+
+  // A file that looked like triangles only, but is not: its triangles are read again, one after the other.
+  void reread_irregular_files() {
+    std::vector<std::uint32_t> files;
+    for (std::uint32_t f = 0; f < is_irregular_.size(); ++f)
+      if (is_irregular_[f]) files.push_back(f);
+    broadcast_values(workspace_.ranks, files);
+    if (files.empty()) return;
+    std::vector<SurveyTask> tasks;
+    for (const auto f : files) {
+      std::erase_if(catalog_.triangle_blocks, [&](const TriangleBlockRef& block) { return block.file == f; });
+      for (const input::Part& part : sources_[f]->sequential_face_parts()) tasks.push_back({f, 0, part});
+    }
+    run_tasks(tasks);
+    std::stable_sort(catalog_.triangle_blocks.begin(), catalog_.triangle_blocks.end(),
+                     [](const TriangleBlockRef& a, const TriangleBlockRef& b) { return a.file < b.file; });
+  }
+
+  // Numbers vertices over all files, in the order of files.
+  void number_through() {
+    if (!workspace_.ranks.is_root()) return;
+    auto& blocks = catalog_.vertex_blocks;
+    std::stable_sort(blocks.begin(), blocks.end(), [](const VertexBlockRef& a, const VertexBlockRef& b) {
+      return a.file != b.file ? a.file < b.file : a.first < b.first;
+    });
+    std::vector<std::uint64_t> first_of_file(sources_.size(), 0);
+    std::uint64_t next = 0;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (i == 0 || blocks[i].file != blocks[i - 1].file) first_of_file[blocks[i].file] = next;
+      blocks[i].first = next;
+      next += blocks[i].count;
+    }
+    catalog_.counts.vertices = next;
+    for (TriangleBlockRef& block : catalog_.triangle_blocks) {
+      block.first_vertex = first_of_file[block.file];
+      catalog_.counts.triangles += block.count;
+    }
+  }
+
+  void share() {
+    broadcast_values(workspace_.ranks, catalog_.vertex_blocks);
+    broadcast_values(workspace_.ranks, catalog_.triangle_blocks);
+    broadcast_value(workspace_.ranks, catalog_.bounds);
+    broadcast_value(workspace_.ranks, catalog_.counts);
+    if (catalog_.counts.triangles == 0)
+      throw cluster::AgreedError(core::Status::kBadData,
+                                 fmt::format("{}: the input has {} vertices but no triangles; nothing can be built",
+                                             sources_.size() == 1 ? sources_[0]->info().path.string() : "all inputs",
+                                             catalog_.counts.vertices));
+  }
+
+  const Workspace& workspace_;
+  std::vector<std::unique_ptr<input::Source>> sources_;
+  std::vector<bool> is_irregular_;
+  Catalog catalog_;
+};
+
+}  // namespace
+
+Catalog survey(const Workspace& workspace) { return Survey(workspace).run(); }
+
+}  // namespace colossus::build

@@ -1,0 +1,30 @@
+#include "build/tetrahedron_mesh.hpp"
+
+namespace colossus::build {
+
+TetrahedronRecord store(const Workspace& workspace, const hierarchy::TetrahedronId& id, const TetrahedronMesh& content) {
+  const std::array<std::uint64_t, 3> counts{content.mesh.vertices.size(), content.mesh.triangles.size(),
+                                            content.deviations.size()};
+  TetrahedronRecord entry;
+  entry.id = id;
+  entry.vertices = static_cast<std::uint32_t>(counts[0]);
+  entry.triangles = static_cast<std::uint32_t>(counts[1]);
+  entry.record = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kTetrahedron),
+                                         {std::as_bytes(std::span(counts)), core::as_bytes(content.mesh.vertices),
+                                          core::as_bytes(content.mesh.triangles), core::as_bytes(content.deviations)});
+  return entry;
+}
+
+TetrahedronMesh load(const Workspace& workspace, const scratch::RecordRef& record) {
+  const core::Bytes bytes = workspace.reader.read(record);
+  core::ByteReader reader(bytes);
+  const auto counts = reader.get<std::array<std::uint64_t, 3>>();
+  TetrahedronMesh content;
+  content.mesh.vertices = reader.get_array<mesh::Vertex>(counts[0]);
+  content.mesh.triangles = reader.get_array<mesh::Triangle>(counts[1]);
+  content.deviations = reader.get_array<float>(counts[2]);
+  COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
+  return content;
+}
+
+}  // namespace colossus::build

@@ -1,0 +1,26 @@
+// The lattice mesh of one tetrahedron as it lies in scratch.
+#pragma once
+
+#include "build/catalog.hpp"
+#include "build/workspace.hpp"
+#include "hierarchy/diamond.hpp"
+
+namespace colossus::build {
+
+struct TetrahedronMesh {
+  mesh::Mesh mesh;                // welded; vertices in order of first use
+  std::vector<float> deviations;  // per vertex, lattice units; empty for leaves, where all are 0
+};
+
+// Where it lies, and what the master needs to know of it.
+struct TetrahedronRecord {
+  hierarchy::TetrahedronId id;
+  std::uint32_t triangles = 0;
+  std::uint32_t vertices = 0;
+  scratch::RecordRef record;
+};
+
+TetrahedronRecord store(const Workspace& workspace, const hierarchy::TetrahedronId& id, const TetrahedronMesh& content);
+TetrahedronMesh load(const Workspace& workspace, const scratch::RecordRef& record);
+
+}  // namespace colossus::build

@@ -1,0 +1,46 @@
+// What every phase of a build needs: the ranks, this rank's spool, readers of all spools, the options.
+#pragma once
+
+#include "build/options.hpp"
+#include "cluster/communicator.hpp"
+#include "core/bytes.hpp"
+#include "scratch/spool.hpp"
+
+namespace colossus::build {
+
+struct Workspace {
+  const cluster::Communicator& ranks;
+  const BuildOptions& options;
+  std::filesystem::path scratch;
+  scratch::SpoolWriter& writer;
+  scratch::SpoolReader& reader;
+};
+
+// Sends what rank 0 has to all ranks. Collective.
+template <typename T>
+void broadcast_values(const cluster::Communicator& ranks, std::vector<T>& values) {
+  core::Bytes bytes;
+  if (ranks.is_root()) {
+    const auto view = core::as_bytes(values);
+    bytes.assign(view.begin(), view.end());
+  }
+  ranks.broadcast(bytes);
+  core::ByteReader reader(bytes);
+  values = reader.get_array<T>(bytes.size() / sizeof(T));
+}
+
+template <typename T>
+void broadcast_value(const cluster::Communicator& ranks, T& value) {
+  std::vector<T> values{value};
+  broadcast_values(ranks, values);
+  value = values.at(0);
+}
+
+// The part `rank` of `size` of `count` items dealt out in turn; the order of items is the same for any number of ranks.
+template <typename Visit>
+void for_my_share(const cluster::Communicator& ranks, std::size_t count, const Visit& visit) {
+  for (std::size_t i = static_cast<std::size_t>(ranks.rank()); i < count; i += static_cast<std::size_t>(ranks.size()))
+    visit(i);
+}
+
+}  // namespace colossus::build

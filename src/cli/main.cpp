@@ -1,0 +1,33 @@
+// The colossus program: parses the command line, runs one subcommand, and turns errors into exit statuses.
+#include <cstdio>
+#include <exception>
+
+#include "cli/commands.hpp"
+#include "core/error.hpp"
+
+int main(int argc, char** argv) {
+  using colossus::core::Status;
+  CLI::App app{"Colossus turns gigantic triangle meshes into multiresolution containers that readers open out-of-core."};
+  app.set_version_flag("--version", COLOSSUS_VERSION);
+  app.require_subcommand(1);
+  colossus::cli::Action chosen;
+  colossus::cli::add_build(app, chosen);
+  colossus::cli::add_synth(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(Status::kUsage);
+  }
+  try {
+    return chosen(argc, argv);
+  } catch (const colossus::core::Error& error) {
+    std::fprintf(stderr, "colossus: %s\n", error.what());
+    return static_cast<int>(error.status());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "colossus: not enough memory\n");
+    return static_cast<int>(Status::kNoResources);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "colossus: internal error (please report it): %s\n", error.what());
+    return static_cast<int>(Status::kInternal);
+  }
+}

@@ -1,0 +1,67 @@
+// Not for use outside src/cluster: MPI's types, checked calls, and waiting without spinning.
+#pragma once
+
+#include <mpi.h>
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cluster/communicator.hpp"
+#include "core/bytes.hpp"
+#include "core/error.hpp"
+
+namespace colossus::cluster {
+
+struct Communicator::Impl {
+  MPI_Comm collective = MPI_COMM_NULL;  // collective calls
+  MPI_Comm farm = MPI_COMM_NULL;        // the task farm's messages
+  MPI_Comm farewell = MPI_COMM_NULL;    // the ranks' last meeting, see run_ranks()
+  int rank = 0;
+  int size = 1;
+  std::size_t piece_bytes = std::size_t{1} << 28;
+};
+
+namespace detail {
+
+// Throws Error(kIo) with MPI's text unless `code` is MPI_SUCCESS.
+void check_mpi(int code, const char* call);
+
+// Longest sleeps between two polls. Long waits are for another rank to arrive. Short ones are for bytes under
+// way: MPI moves a part of them in each poll, so a long sleep would throttle them.
+inline constexpr std::chrono::microseconds kLongSleep{1000};
+inline constexpr std::chrono::microseconds kShortSleep{50};
+
+// Pauses between polls: a few yields, for answers that are almost there, then sleeps that grow with the time
+// already slept: up to a quarter of it, since waking up costs some 15 microseconds on a virtual machine.
+class Backoff {
+ public:
+  explicit Backoff(std::chrono::microseconds longest) : longest_(longest) {}
+  void pause();
+  void reset();
+
+ private:
+  std::chrono::microseconds longest_;
+  std::chrono::microseconds slept_{0};
+  int yields_ = 0;
+};
+
+// Waits for all requests. With a time limit, false when it is over.
+bool wait_politely(std::span<MPI_Request> requests, std::chrono::microseconds longest_sleep,
+                   std::optional<std::chrono::milliseconds> limit = std::nullopt);
+
+// Posts one send or receive per piece of at most piece_bytes; none for no bytes.
+void start_sends(std::span<const std::byte> bytes, int to, int tag, MPI_Comm comm, std::size_t piece_bytes,
+                 std::vector<MPI_Request>& requests);
+void start_receives(std::span<std::byte> bytes, int from, int tag, MPI_Comm comm, std::size_t piece_bytes,
+                    std::vector<MPI_Request>& requests);
+
+// An error as bytes for other ranks; never empty.
+core::Bytes encode_error(const core::Error& error);
+core::Error decode_error(std::span<const std::byte> bytes);
+
+}  // namespace detail
+}  // namespace colossus::cluster

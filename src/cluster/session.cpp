@@ -1,0 +1,152 @@
+#include "cluster/session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "cluster/detail/mpi_calls.hpp"
+#include "core/hash.hpp"
+#include "core/log.hpp"
+
+namespace colossus::cluster {
+namespace {
+
+using detail::check_mpi;
+
+// How long a rank that failed alone waits for the others to come to the end, too.
+constexpr std::chrono::milliseconds kGrace{500};
+
+bool started_by_a_launcher() {
+  constexpr std::array kVariables = {
+      "OMPI_COMM_WORLD_SIZE", "PMIX_RANK",  "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "PMI_SIZE",
+      "SLURM_PROCID",         "ALPS_APP_PE"};
+  return std::any_of(kVariables.begin(), kVariables.end(),
+                     [](const char* name) { return std::getenv(name); });
+}
+
+// Open MPI's MPI_Init of a program that runs alone starts a daemon, looks for networks, and makes shared
+// memory and a directory in TMPDIR. None of it is needed for one rank, and each can fail. A user's own
+// settings stay.
+void prepare_to_run_alone() {
+  constexpr int kKeep = 0;
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", kKeep);
+  setenv("OMPI_MCA_orte_create_session_dirs", "0", kKeep);
+  setenv("OMPI_MCA_pml", "ob1", kKeep);
+  setenv("OMPI_MCA_btl", "self", kKeep);
+}
+
+MPI_Comm duplicate_world() {
+  MPI_Comm comm = MPI_COMM_NULL;
+  check_mpi(MPI_Comm_dup(MPI_COMM_WORLD, &comm), "MPI_Comm_dup");
+  check_mpi(MPI_Comm_set_errhandler(comm, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+  return comm;
+}
+
+// How body() ended on this rank.
+struct Outcome {
+  int status = 0;
+  std::string message;  // empty: nothing to print
+  bool is_agreed = false;
+};
+
+// What each rank tells the others about its outcome.
+struct Farewell {
+  std::int64_t status;
+  std::uint64_t message_hash;  // 0 for no message
+};
+
+Outcome run_body(Communicator& world, const std::function<int(Communicator&)>& body) {
+  try {
+    return {body(world), "", false};
+  } catch (const AgreedError& error) {
+    return {static_cast<int>(error.status()), error.what(), true};
+  } catch (...) {
+    const core::Error error = error_of_current_exception();
+    return {static_cast<int>(error.status()), error.what(), false};
+  }
+}
+
+void print_error(const std::string& where, const std::string& message) {
+  std::fflush(stdout);
+  const std::string line = fmt::format("colossus: error{}: {}\n", where, message);
+  std::fwrite(line.data(), 1, line.size(), stderr);
+  std::fflush(stderr);
+}
+
+std::string on_rank(int rank) { return fmt::format(" on rank {}", rank); }
+
+// All ranks meet; a rank that failed alone ends everything when the others do not come. Returns the common
+// status.
+int say_farewell(const Communicator& world, const Outcome& outcome) {
+  const Communicator::Impl& impl = world.impl();
+  const std::span<const char> text(outcome.message);
+  const Farewell mine{outcome.status,
+                      text.empty() ? 0 : std::max<std::uint64_t>(1, core::hash64(core::as_bytes(text)))};
+  std::vector<Farewell> all(static_cast<std::size_t>(impl.size));
+  MPI_Request request = MPI_REQUEST_NULL;
+  check_mpi(MPI_Iallgather(&mine, sizeof mine, MPI_BYTE, all.data(), sizeof mine, MPI_BYTE, impl.farewell,
+                           &request),
+            "MPI_Iallgather");
+  const bool is_lone_failure = !outcome.message.empty() && !outcome.is_agreed;
+  const auto limit = is_lone_failure ? std::optional(kGrace) : std::nullopt;
+  if (!detail::wait_politely(std::span(&request, 1), detail::kLongSleep, limit)) {
+    print_error(on_rank(impl.rank), outcome.message);
+    MPI_Abort(MPI_COMM_WORLD, outcome.status);
+  }
+  // Each message once, from the lowest rank that has it, before any rank exits: mpirun may then end the
+  // others.
+  const auto has_mine = [&](const Farewell& other) { return other.message_hash == mine.message_hash; };
+  if (mine.message_hash != 0 && std::none_of(all.begin(), all.begin() + impl.rank, has_mine))
+    print_error(std::all_of(all.begin(), all.end(), has_mine) ? "" : on_rank(impl.rank), outcome.message);
+  world.barrier();
+  int status = 0;
+  for (const Farewell& other : all) status = std::max(status, static_cast<int>(other.status));
+  return status;
+}
+
+}  // namespace
+
+Session::Session(int& argc, char**& argv) : exceptions_at_start_(std::uncaught_exceptions()) {
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  if (initialized != 0) core::fail(core::Status::kInternal, "MPI is initialised twice");
+  if (!started_by_a_launcher()) prepare_to_run_alone();
+  int provided = MPI_THREAD_SINGLE;
+  check_mpi(MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
+  auto impl = std::make_unique<Communicator::Impl>();
+  impl->collective = duplicate_world();
+  impl->farm = duplicate_world();
+  impl->farewell = duplicate_world();
+  check_mpi(MPI_Comm_rank(impl->collective, &impl->rank), "MPI_Comm_rank");
+  check_mpi(MPI_Comm_size(impl->collective, &impl->size), "MPI_Comm_size");
+  core::set_log_enabled(impl->rank == 0);
+  world_ = std::make_unique<Communicator>(std::move(impl));
+}
+
+Session::~Session() {
+  if (std::uncaught_exceptions() > exceptions_at_start_)
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(core::Status::kInternal));
+  Communicator::Impl& impl = world_->impl();
+  for (MPI_Comm* comm : {&impl.collective, &impl.farm, &impl.farewell}) MPI_Comm_free(comm);
+  MPI_Finalize();
+}
+
+int run_ranks(int& argc, char**& argv, const std::function<int(Communicator&)>& body) {
+  Session session(argc, argv);
+  Communicator& world = session.world();
+  const Outcome outcome = run_body(world, body);
+  try {
+    return say_farewell(world, outcome);
+  } catch (const core::Error& error) {
+    print_error(on_rank(world.rank()), outcome.message.empty() ? error.what() : outcome.message);
+    MPI_Abort(MPI_COMM_WORLD, outcome.status != 0 ? outcome.status : static_cast<int>(error.status()));
+    throw;
+  }
+}
+
+}  // namespace colossus::cluster

@@ -1,0 +1,191 @@
+#include "codec/quantize.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <meshoptimizer.h>
+
+#include "core/error.hpp"
+
+namespace colossus::codec {
+namespace {
+
+using mesh::Triangle;
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
+  while (parents[i] != i) i = parents[i] = parents[parents[i]];
+  return i;
+}
+
+bool has_equal_corners(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
+// Merges equally marked vertices that fall together within a triangle, and drops what that makes degenerate.
+void merge_fallen_together(std::vector<Triangle>& triangles, const std::vector<Weights>& weights,
+                           const std::vector<std::uint8_t>& marks) {
+  std::vector<std::uint32_t> parents(weights.size());
+  for (std::uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = find_root(parents, t[k]);
+      const std::uint32_t b = find_root(parents, t[(k + 1) % 3]);
+      if (a != b && marks[a] == marks[b] && weights[a] == weights[b]) parents[std::max(a, b)] = std::min(a, b);
+    }
+  for (Triangle& t : triangles)
+    for (auto& v : t) v = find_root(parents, v);
+  std::erase_if(triangles, has_equal_corners);
+}
+
+Triangle rotated_to_least(const Triangle& t) {
+  const std::size_t k = static_cast<std::size_t>(std::min_element(t.begin(), t.end()) - t.begin());
+  return {t[k], t[(k + 1) % 3], t[(k + 2) % 3]};
+}
+
+// Removes pairs of triangles with the same corners in opposite order: together they bound nothing.
+void cancel_opposites(std::vector<Triangle>& triangles) {
+  struct Entry {
+    Triangle sorted;
+    bool is_even;
+    std::uint32_t index;
+  };
+  std::vector<Entry> entries;
+  entries.reserve(triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    Triangle t = rotated_to_least(triangles[i]);
+    const bool is_even = t[1] < t[2];
+    if (!is_even) std::swap(t[1], t[2]);
+    entries.push_back({t, is_even, i});
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.sorted != b.sorted ? a.sorted < b.sorted : a.index < b.index;
+  });
+  std::vector<bool> is_cancelled(triangles.size(), false);
+  for (std::size_t i = 0; i < entries.size();) {
+    std::size_t end = i;
+    std::array<std::vector<std::uint32_t>, 2> sides;
+    for (; end < entries.size() && entries[end].sorted == entries[i].sorted; ++end)
+      if (end > i || (end + 1 < entries.size() && entries[end + 1].sorted == entries[i].sorted))
+        sides[entries[end].is_even ? 1 : 0].push_back(entries[end].index);
+    for (std::size_t pair = 0; pair < std::min(sides[0].size(), sides[1].size()); ++pair)
+      is_cancelled[sides[0][pair]] = is_cancelled[sides[1][pair]] = true;
+    i = end;
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    if (!is_cancelled[i]) triangles[kept++] = triangles[i];
+  triangles.resize(kept);
+}
+
+void order_for_cache(std::vector<Triangle>& triangles, std::size_t vertex_count) {
+  if (triangles.empty()) return;
+  std::vector<unsigned int> ordered(triangles.size() * 3);
+  meshopt_optimizeVertexCache(ordered.data(), triangles.front().data(), ordered.size(), vertex_count);
+  std::copy(ordered.begin(), ordered.end(), triangles.front().data());
+}
+
+// How far the surface moves when vertex v moves by d: along the triangle normals, if these agree, else wholly.
+double surface_displacement(const mesh::Mesh& mesh, const std::vector<std::array<double, 3>>& moves) {
+  double greatest = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const auto& p = mesh.vertices[t[0]].position;
+    const auto& q = mesh.vertices[t[1]].position;
+    const auto& r = mesh.vertices[t[2]].position;
+    const std::array<double, 3> u{double(q.x) - p.x, double(q.y) - p.y, double(q.z) - p.z};
+    const std::array<double, 3> w{double(r.x) - p.x, double(r.y) - p.y, double(r.z) - p.z};
+    const std::array<double, 3> n{u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
+    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (const auto v : t) {
+      const auto& d = moves[v];
+      const double whole = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      // A tenth of the movement along the surface stays as a margin for bends at edges.
+      const double along = length > 0.0 ? std::abs(d[0] * n[0] + d[1] * n[1] + d[2] * n[2]) / length : whole;
+      greatest = std::max(greatest, std::min(whole, along + 0.1 * whole));
+    }
+  }
+  return greatest;
+}
+
+}  // namespace
+
+Barycentric::Barycentric(const hierarchy::Tetrahedron& tetrahedron) {
+  for (int i = 0; i < 4; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    planes_[k] = tetrahedron.face_plane(i);
+    heights_[k] = planes_[k].side(tetrahedron.corners[k]);
+    greatest_height_ = std::max(greatest_height_, heights_[k]);
+  }
+  for (const std::int64_t height : heights_) COLOSSUS_CHECK(greatest_height_ % height == 0);
+}
+
+Weights Barycentric::weights(const geometry::Point& p, int bits) const {
+  Weights weights{};
+  std::array<std::int64_t, 4> fractions{};
+  std::int64_t left = std::int64_t{1} << bits;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::int64_t side = planes_[i].side(p);
+    COLOSSUS_CHECK(side >= 0, "a vertex at {} {} {} lies outside its tetrahedron", p.x, p.y, p.z);
+    const std::int64_t scaled = side << bits;
+    weights[i] = static_cast<std::uint32_t>(scaled / heights_[i]);
+    fractions[i] = scaled % heights_[i] * (greatest_height_ / heights_[i]);
+    left -= weights[i];
+  }
+  for (; left > 0; --left) {
+    const auto greatest = std::max_element(fractions.begin(), fractions.end());
+    ++weights[static_cast<std::size_t>(greatest - fractions.begin())];
+    *greatest = -1;
+  }
+  return weights;
+}
+
+std::uint8_t Barycentric::marks(const geometry::Point& p) const {
+  std::uint8_t marks = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (planes_[i].side(p) == 0) marks = static_cast<std::uint8_t>(marks | 1U << i);
+  return marks;
+}
+
+bool Barycentric::is_strictly_inside(const geometry::Point& p) const {
+  return std::all_of(planes_.begin(), planes_.end(), [&](const geometry::Plane& plane) { return plane.side(p) > 0; });
+}
+
+Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
+                   const QuantizeOptions& options) {
+  const Barycentric barycentric(tetrahedron);
+  const double scale = 1.0 / static_cast<double>(std::int64_t{1} << options.position_bits);
+  std::vector<Weights> weights;
+  std::vector<std::uint8_t> marks;
+  std::vector<std::array<double, 3>> moves;
+  for (const mesh::Vertex& vertex : mesh.vertices) {
+    weights.push_back(barycentric.weights(vertex.position, options.position_bits));
+    marks.push_back(barycentric.marks(vertex.position));
+    const ScaledPosition stored = scaled_position(weights.back(), tetrahedron);
+    moves.push_back({static_cast<double>(stored[0]) * scale - vertex.position.x,
+                     static_cast<double>(stored[1]) * scale - vertex.position.y,
+                     static_cast<double>(stored[2]) * scale - vertex.position.z});
+  }
+  Quantized result;
+  result.displacement = surface_displacement(mesh, moves);
+  std::vector<Triangle> triangles = mesh.triangles;
+  merge_fallen_together(triangles, weights, marks);
+  cancel_opposites(triangles);
+  order_for_cache(triangles, mesh.vertices.size());
+
+  QuantizedTetrahedron& out = result.tetrahedron;
+  out.place = place;
+  std::vector<std::uint32_t> renumbered(mesh.vertices.size(), kNone);
+  for (Triangle& t : triangles)
+    for (auto& v : t) {
+      if (renumbered[v] == kNone) {
+        renumbered[v] = static_cast<std::uint32_t>(out.weights.size());
+        out.weights.push_back(weights[v]);
+        out.marks.push_back(marks[v]);
+        if (options.normals) out.normals.push_back(geometry::encode_octahedral(mesh.vertices[v].normal));
+        if (options.colors) out.colors.push_back(mesh.vertices[v].color);
+      }
+      v = renumbered[v];
+    }
+  out.triangles = std::move(triangles);
+  return result;
+}
+
+}  // namespace colossus::codec

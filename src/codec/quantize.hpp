@@ -1,0 +1,48 @@
+// From lattice positions to barycentric weights (paper 004, section 4.3), without its epsilons: the plane values are
+// exact integers, so a vertex on a face gets weight 0 for the opposite corner, and both sides of a face get the same
+// weights for the same point, with no case distinction.
+#pragma once
+
+#include "codec/node_mesh.hpp"
+
+namespace colossus::codec {
+
+// The four face planes of a tetrahedron with the side of the opposite corner.
+class Barycentric {
+ public:
+  explicit Barycentric(const hierarchy::Tetrahedron& tetrahedron);
+
+  // floor(lambda_i * 2^bits), the remainder to the largest fractions, ties by corner order. `p` must lie in the closed
+  // tetrahedron; anything else is a bug and ends the program.
+  Weights weights(const geometry::Point& p, int bits) const;
+  // Bit i: p lies exactly on the face opposite corner i.
+  std::uint8_t marks(const geometry::Point& p) const;
+  bool is_strictly_inside(const geometry::Point& p) const;
+
+ private:
+  std::array<geometry::Plane, 4> planes_;
+  std::array<std::int64_t, 4> heights_;
+  std::int64_t greatest_height_ = 0;
+};
+
+struct Quantized {
+  QuantizedTetrahedron tetrahedron;
+  // Upper bound of the distance, in lattice units, by which storing moved the surface: the largest movement of a
+  // vertex along the normals of its triangles, or as a whole where these bend.
+  double displacement = 0.0;
+};
+
+struct QuantizeOptions {
+  int position_bits = kDefaultPositionBits;
+  bool normals = false;
+  bool colors = false;
+};
+
+// Triangles whose corners fall together on equally marked vertices are dropped and these vertices merged; opposite
+// duplicates cancel. Where the marks differ such a triangle is kept with its two equal positions: without it the
+// border edges of a face could no longer be told from the connectivity. Triangles come out in vertex-cache order,
+// vertices in order of first use.
+Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
+                   const QuantizeOptions& options);
+
+}  // namespace colossus::codec

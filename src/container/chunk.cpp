@@ -1,0 +1,88 @@
+#include "container/chunk.hpp"
+
+#include <zstd.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "core/hash.hpp"
+
+namespace colossus::container {
+namespace {
+
+// A zstd block of the frame decodes to at most 128 KiB and takes at least 4 bytes (an RLE block: header and
+// value).
+constexpr std::uint64_t kMaxExpansion = (std::uint64_t{128} << 10) / 4;
+
+using CompressionContext = std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)>;
+
+}  // namespace
+
+PackedChunk pack_chunk(std::span<const std::byte> payload, int zstd_level) {
+  if (payload.size() > kMaxPayloadBytes)
+    core::fail(core::Status::kNoResources,
+               "a node of {} bytes does not fit into a chunk: expected at most {} bytes; use a smaller "
+               "--leaf-triangles",
+               payload.size(), kMaxPayloadBytes);
+  PackedChunk packed;
+  packed.capacity_class = class_for(payload.size());
+  packed.payload_bytes = static_cast<std::uint32_t>(payload.size());
+  core::Bytes content(class_capacity(packed.capacity_class));
+  std::copy(payload.begin(), payload.end(), content.begin());
+
+  // A fresh context each time: a reused one keeps tables of earlier payloads, and the bytes of a node must
+  // not depend on which nodes the same rank packed before.
+  const CompressionContext context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
+  if (!context)
+    core::fail(core::Status::kNoResources, "not enough memory to compress {} bytes", content.size());
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, zstd_level);
+  packed.frame.resize(ZSTD_compressBound(content.size()));
+  const std::size_t size =
+      ZSTD_compress2(context.get(), packed.frame.data(), packed.frame.size(), content.data(), content.size());
+  if (ZSTD_isError(size))
+    core::fail(core::Status::kNoResources, "cannot compress {} bytes: {}", content.size(),
+               ZSTD_getErrorName(size));
+  packed.frame.resize(size);
+  packed.frame.shrink_to_fit();
+  packed.checksum = core::hash64(packed.frame);
+  return packed;
+}
+
+core::Result<core::Bytes> unpack_chunk(std::span<const std::byte> frame, std::uint64_t payload_bytes) {
+  if (payload_bytes > kMaxPayloadBytes)
+    return core::Defect{
+        fmt::format("payload: expected at most {} bytes, found {}", kMaxPayloadBytes, payload_bytes), 0};
+  const std::uint64_t capacity = class_capacity(class_for(payload_bytes));
+  const unsigned long long found = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  if (found == ZSTD_CONTENTSIZE_ERROR || found == ZSTD_CONTENTSIZE_UNKNOWN)
+    return core::Defect{
+        fmt::format("expected a zstd frame that states its content size, found {} other bytes", frame.size()),
+        0};
+  if (found != capacity)
+    return core::Defect{fmt::format("zstd frame: expected a content of {} bytes, found {}", capacity, found),
+                        0};
+  const std::size_t extent = ZSTD_findFrameCompressedSize(frame.data(), frame.size());
+  if (ZSTD_isError(extent) || extent != frame.size())
+    return core::Defect{
+        fmt::format("zstd frame: expected one frame of {} bytes, found {}", frame.size(),
+                    ZSTD_isError(extent) ? ZSTD_getErrorName(extent) : std::to_string(extent)),
+        0};
+  if (capacity / kMaxExpansion > frame.size())
+    return core::Defect{
+        fmt::format("zstd frame: {} bytes cannot hold a content of {}", frame.size(), capacity), 0};
+
+  core::Bytes content(capacity);
+  const std::size_t size = ZSTD_decompress(content.data(), content.size(), frame.data(), frame.size());
+  if (ZSTD_isError(size)) return core::Defect{fmt::format("zstd frame: {}", ZSTD_getErrorName(size)), 0};
+  if (size != capacity)
+    return core::Defect{fmt::format("zstd frame: expected a content of {} bytes, decoded {}", capacity, size),
+                        0};
+  const auto padding = content.begin() + static_cast<std::ptrdiff_t>(payload_bytes);
+  if (!std::all_of(padding, content.end(), [](std::byte b) { return b == std::byte{0}; }))
+    return core::Defect{fmt::format("content behind the {} bytes of payload: expected zeros", payload_bytes),
+                        0};
+  content.resize(payload_bytes);
+  return content;
+}
+
+}  // namespace colossus::container

@@ -1,0 +1,230 @@
+#include "container/metadata_io.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "container/table.hpp"
+
+namespace colossus::container {
+namespace {
+
+using core::Status;
+using hdf5::Blame;
+using hdf5::Handle;
+
+constexpr std::uint8_t kHasNormals = 1;
+constexpr std::uint8_t kHasColors = 2;
+
+void put_text(core::ByteWriter& writer, const std::string& text, std::uint32_t bytes) {
+  COLOSSUS_CHECK(text.size() <= bytes && text.find('\0') == std::string::npos, "text '{}'", text);
+  core::Bytes padded(bytes);
+  std::memcpy(padded.data(), text.data(), text.size());
+  writer.put_bytes(padded);
+}
+
+// HDF5 has no texts of zero bytes.
+template <typename Entry>
+std::uint32_t widest(const std::vector<Entry>& entries, std::string Entry::*member) {
+  std::size_t bytes = 1;
+  for (const Entry& entry : entries) bytes = std::max(bytes, (entry.*member).size());
+  return static_cast<std::uint32_t>(bytes);
+}
+
+void write_text_attribute(const Blame& blame, hid_t object, const std::string& name,
+                          const std::string& text) {
+  write_attribute(blame, object, name, FieldType::kText, static_cast<std::uint32_t>(text.size()),
+                  text.data());
+}
+
+void write_options(const Blame& blame, hid_t file, const std::vector<NamedText>& options) {
+  const std::vector<Field> fields = {{"name", FieldType::kText, widest(options, &NamedText::name)},
+                                     {"value", FieldType::kText, widest(options, &NamedText::value)}};
+  core::ByteWriter rows;
+  for (const NamedText& option : options) {
+    put_text(rows, option.name, fields[0].count);
+    put_text(rows, option.value, fields[1].count);
+  }
+  write_table(blame, create_table(blame, file, "options", fields, options.size()), rows.bytes());
+}
+
+void write_inputs(const Blame& blame, hid_t file, const std::vector<InputInfo>& inputs) {
+  const std::vector<Field> fields = {{"name", FieldType::kText, widest(inputs, &InputInfo::name)},
+                                     {"bytes", FieldType::kU64},
+                                     {"hash", FieldType::kText, widest(inputs, &InputInfo::hash)}};
+  core::ByteWriter rows;
+  for (const InputInfo& input : inputs) {
+    put_text(rows, input.name, fields[0].count);
+    rows.put(input.bytes);
+    put_text(rows, input.hash, fields[2].count);
+  }
+  write_table(blame, create_table(blame, file, "inputs", fields, inputs.size()), rows.bytes());
+}
+
+void write_counts(const Blame& blame, hid_t file, const std::vector<NamedCount>& counts) {
+  const std::vector<Field> fields = {{"name", FieldType::kText, widest(counts, &NamedCount::name)},
+                                     {"value", FieldType::kU64}};
+  core::ByteWriter rows;
+  for (const NamedCount& count : counts) {
+    put_text(rows, count.name, fields[0].count);
+    rows.put(count.value);
+  }
+  write_table(blame, create_table(blame, file, "counts", fields, counts.size()), rows.bytes());
+}
+
+std::size_t column_length(const LevelColumn& column) {
+  return std::visit([](const auto& values) { return values.size(); }, column.values);
+}
+
+// A compound type needs a field, so a container without statistics has no such table.
+void write_levels(const Blame& blame, hid_t file, const std::vector<LevelColumn>& levels) {
+  if (levels.empty()) return;
+  const std::size_t level_count = column_length(levels.front());
+  std::vector<Field> fields;
+  for (const LevelColumn& column : levels) {
+    COLOSSUS_CHECK(column_length(column) == level_count, "column {} has {} values, the first {}", column.name,
+                   column_length(column), level_count);
+    const bool is_real = std::holds_alternative<std::vector<double>>(column.values);
+    fields.push_back({column.name, is_real ? FieldType::kF64 : FieldType::kU64});
+  }
+  core::ByteWriter rows;
+  for (std::size_t level = 0; level < level_count; ++level)
+    for (const LevelColumn& column : levels)
+      std::visit([&](const auto& values) { rows.put(values[level]); }, column.values);
+  write_table(blame, create_table(blame, file, "levels", fields, level_count), rows.bytes());
+}
+
+void write_lattice(const Blame& blame, hid_t file, const Metadata& metadata) {
+  const std::string what = "cannot create group /lattice";
+  const Handle properties = blame.own(H5Pcreate(H5P_GROUP_CREATE), &H5Pclose, what);
+  blame.check(H5Pset_obj_track_times(properties.get(), false), what);
+  const Handle group =
+      blame.own(H5Gcreate2(file, "lattice", H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose, what);
+  const auto root_bits = static_cast<std::uint32_t>(metadata.lattice.root_bits);
+  const auto position_bits = static_cast<std::uint32_t>(metadata.position_bits);
+  write_attribute(blame, group.get(), "origin", FieldType::kF64, 3, metadata.lattice.origin.data());
+  write_attribute(blame, group.get(), "step", FieldType::kF64, 1, &metadata.lattice.step);
+  write_attribute(blame, group.get(), "root_bits", FieldType::kU32, 1, &root_bits);
+  write_attribute(blame, group.get(), "position_bits", FieldType::kU32, 1, &position_bits);
+}
+
+void read_lattice(const Blame& blame, hid_t file, Metadata& metadata) {
+  H5L_info_t link{};
+  if (H5Lget_info(file, "lattice", &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
+    core::fail(blame.status, "{}: /lattice: expected a group, found none", blame.file);
+  const Handle group =
+      blame.own(H5Gopen2(file, "lattice", H5P_DEFAULT), &H5Gclose, "cannot open group /lattice");
+  std::uint32_t root_bits = 0;
+  std::uint32_t position_bits = 0;
+  LatticeInfo& lattice = metadata.lattice;
+  read_attribute(blame, group.get(), "/lattice", "origin", FieldType::kF64, 3, lattice.origin.data());
+  read_attribute(blame, group.get(), "/lattice", "step", FieldType::kF64, 1, &lattice.step);
+  read_attribute(blame, group.get(), "/lattice", "root_bits", FieldType::kU32, 1, &root_bits);
+  read_attribute(blame, group.get(), "/lattice", "position_bits", FieldType::kU32, 1, &position_bits);
+  for (const double origin : lattice.origin)
+    if (!std::isfinite(origin))
+      core::fail(blame.status, "{}: /lattice: origin: expected finite numbers, found {}", blame.file, origin);
+  if (!std::isfinite(lattice.step) || lattice.step <= 0)
+    core::fail(blame.status, "{}: /lattice: step: expected a positive number, found {}", blame.file,
+               lattice.step);
+  if (root_bits < 1 || root_bits > 30)
+    core::fail(blame.status, "{}: /lattice: root_bits: expected 1 to 30, found {}", blame.file, root_bits);
+  if (position_bits < 8 || position_bits > 16)
+    core::fail(blame.status, "{}: /lattice: position_bits: expected 8 to 16, found {}", blame.file,
+               position_bits);
+  lattice.root_bits = static_cast<int>(root_bits);
+  metadata.position_bits = static_cast<int>(position_bits);
+}
+
+// Is this file ours, and can this program read it? Asked before anything else is looked at.
+void read_version(const Blame& blame, hid_t file, Metadata& metadata) {
+  if (H5Aexists(file, "format") <= 0 || read_text_attribute(blame, file, "/", "format") != kFormatName)
+    core::fail(blame.status,
+               "{}: is an HDF5 file, but no Colossus container: expected the root attribute format = '{}'",
+               blame.file, kFormatName);
+  std::uint32_t version[2] = {};
+  read_attribute(blame, file, "/", "schema_version", FieldType::kU32, 2, version);
+  if (version[0] != kSchemaMajor)
+    core::fail(blame.status, "{}: has schema version {}.{}: expected {}.x; {}", blame.file, version[0],
+               version[1], kSchemaMajor,
+               version[0] > kSchemaMajor ? "read it with a newer Colossus" : "build it again");
+  metadata.schema_major = version[0];
+  metadata.schema_minor = version[1];
+  metadata.scheme = read_text_attribute(blame, file, "/", "scheme");
+  if (metadata.scheme != kSchemeDiamonds)
+    core::fail(blame.status, "{}: scheme: expected '{}', found '{}'", blame.file, kSchemeDiamonds,
+               metadata.scheme);
+}
+
+void read_levels(const Blame& blame, hid_t file, const core::File& bytes, Metadata& metadata) {
+  if (H5Lexists(file, "levels", H5P_DEFAULT) <= 0) return;
+  const Table table = read_table(blame, file, bytes, "levels");
+  for (const Field& field : table.fields) {
+    LevelColumn column{field.name, {}};
+    if (field.type == FieldType::kU64 && field.count == 1) {
+      std::vector<std::uint64_t> values(table.row_count);
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = table.u64(i, field);
+      column.values = std::move(values);
+    } else if (field.type == FieldType::kF64 && field.count == 1) {
+      std::vector<double> values(table.row_count);
+      for (std::size_t i = 0; i < values.size(); ++i)
+        std::memcpy(&values[i], table.at(i, field), sizeof(double));
+      column.values = std::move(values);
+    } else {
+      core::fail(blame.status, "{}: field {}: expected u64 or f64", table.place, field.name);
+    }
+    metadata.levels.push_back(std::move(column));
+  }
+}
+
+}  // namespace
+
+void write_metadata(const Blame& blame, hid_t file, const Metadata& metadata) {
+  const std::uint32_t version[2] = {kSchemaMajor, kSchemaMinor};
+  const auto attributes = static_cast<std::uint8_t>((metadata.has_normals ? kHasNormals : 0) |
+                                                    (metadata.has_colors ? kHasColors : 0));
+  write_text_attribute(blame, file, "format", kFormatName);
+  write_attribute(blame, file, "schema_version", FieldType::kU32, 2, version);
+  write_text_attribute(blame, file, "scheme", metadata.scheme);
+  write_attribute(blame, file, "attributes", FieldType::kU8, 1, &attributes);
+  write_lattice(blame, file, metadata);
+  write_options(blame, file, metadata.options);
+  write_inputs(blame, file, metadata.inputs);
+  write_counts(blame, file, metadata.counts);
+  write_levels(blame, file, metadata.levels);
+}
+
+Metadata read_metadata(const Blame& blame, hid_t file, const core::File& bytes) {
+  Metadata metadata;
+  read_version(blame, file, metadata);
+  read_lattice(blame, file, metadata);
+  std::uint8_t attributes = 0;
+  read_attribute(blame, file, "/", "attributes", FieldType::kU8, 1, &attributes);
+  metadata.has_normals = (attributes & kHasNormals) != 0;
+  metadata.has_colors = (attributes & kHasColors) != 0;
+
+  const Table options = read_table(blame, file, bytes, "options");
+  const Field& option_name = options.field("name", FieldType::kText);
+  const Field& option_value = options.field("value", FieldType::kText);
+  for (std::uint64_t i = 0; i < options.row_count; ++i)
+    metadata.options.push_back({options.text(i, option_name), options.text(i, option_value)});
+
+  const Table inputs = read_table(blame, file, bytes, "inputs");
+  const Field& input_name = inputs.field("name", FieldType::kText);
+  const Field& input_bytes = inputs.field("bytes", FieldType::kU64);
+  const Field& input_hash = inputs.field("hash", FieldType::kText);
+  for (std::uint64_t i = 0; i < inputs.row_count; ++i)
+    metadata.inputs.push_back(
+        {inputs.text(i, input_name), inputs.u64(i, input_bytes), inputs.text(i, input_hash)});
+
+  const Table counts = read_table(blame, file, bytes, "counts");
+  const Field& count_name = counts.field("name", FieldType::kText);
+  const Field& count_value = counts.field("value", FieldType::kU64);
+  for (std::uint64_t i = 0; i < counts.row_count; ++i)
+    metadata.counts.push_back({counts.text(i, count_name), counts.u64(i, count_value)});
+
+  read_levels(blame, file, bytes, metadata);
+  return metadata;
+}
+
+}  // namespace colossus::container

@@ -1,0 +1,139 @@
+#include "container/node_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <tuple>
+
+namespace colossus::container {
+namespace {
+
+using core::Status;
+
+// Calls visit(name, type, count, member) for each field in the order of the file.
+template <typename Row, typename Visit>
+void for_each_field(Row& row, Visit visit) {
+  visit("level", FieldType::kU32, 1, row.level);
+  visit("center", FieldType::kI32, 3, row.center);
+  visit("tetra_mask", FieldType::kU8, 1, row.tetra_mask);
+  visit("flags", FieldType::kU8, 1, row.flags);
+  visit("vertices", FieldType::kU32, 1, row.vertices);
+  visit("triangles", FieldType::kU32, 1, row.triangles);
+  visit("error", FieldType::kF64, 1, row.error);
+  visit("bounds", FieldType::kF64, 6, row.bounds);
+  visit("chunk_class", FieldType::kU32, 1, row.capacity_class);
+  visit("chunk_index", FieldType::kU32, 1, row.chunk_index);
+  visit("offset", FieldType::kU64, 1, row.offset);
+  visit("stored_bytes", FieldType::kU64, 1, row.stored_bytes);
+  visit("payload_bytes", FieldType::kU64, 1, row.payload_bytes);
+  visit("checksum", FieldType::kU64, 1, row.checksum);
+}
+
+template <typename Found>
+[[noreturn]] void fail_row(const Table& table, std::size_t row, const std::string& expected,
+                           const Found& found) {
+  core::fail(Status::kBadData, "{}: row {}: expected {}, found {}", table.place, row, expected, found);
+}
+
+void check_geometry(const Table& table, std::size_t i, const NodeRow& row, const LatticeInfo& lattice) {
+  // Three levels halve the side of the cubes; below a side of two lattice steps no diamond has a centre.
+  const auto max_level = static_cast<std::uint32_t>(3 * lattice.root_bits);
+  if (row.level > max_level) fail_row(table, i, fmt::format("a level of at most {}", max_level), row.level);
+  const std::int32_t side = std::int32_t{1} << lattice.root_bits;
+  for (const std::int32_t c : row.center)
+    if (c < 0 || c > side) fail_row(table, i, fmt::format("a centre within 0 and {}", side), c);
+  constexpr int kPlaces[3] = {6, 4, 8};
+  const int places = kPlaces[row.level % 3];
+  if (row.tetra_mask >> places != 0)
+    fail_row(table, i, fmt::format("a mask of {} tetrahedra", places), static_cast<int>(row.tetra_mask));
+  if (!std::isfinite(row.error) || row.error < 0) fail_row(table, i, "an error of 0 or more", row.error);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double low = row.bounds[axis];
+    const double high = row.bounds[axis + 3];
+    if (!std::isfinite(low) || !std::isfinite(high) || low > high)
+      fail_row(table, i, "finite bounds, minimum before maximum", fmt::format("{} and {}", low, high));
+  }
+}
+
+void check_chunk(const Table& table, std::size_t i, const NodeRow& row, std::uint64_t file_bytes) {
+  if (row.payload_bytes > kMaxPayloadBytes)
+    fail_row(table, i, fmt::format("a payload of at most {} bytes", kMaxPayloadBytes), row.payload_bytes);
+  if (row.capacity_class != class_for(row.payload_bytes))
+    fail_row(table, i,
+             fmt::format("chunk class {} for {} bytes", class_for(row.payload_bytes), row.payload_bytes),
+             row.capacity_class);
+  if (row.stored_bytes == 0 || row.offset > file_bytes || row.stored_bytes > file_bytes - row.offset)
+    fail_row(table, i, fmt::format("a chunk within the file's {} bytes", file_bytes),
+             fmt::format("{} bytes at {}", row.stored_bytes, row.offset));
+}
+
+void check_no_overlap(const Table& table, const std::vector<NodeRow>& rows) {
+  std::vector<std::size_t> order(rows.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto by_offset = [&](std::size_t a, std::size_t b) { return rows[a].offset < rows[b].offset; };
+  // Our own writer stores chunks in row order; then there is nothing to sort.
+  if (!std::is_sorted(order.begin(), order.end(), by_offset))
+    std::sort(order.begin(), order.end(), by_offset);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const NodeRow& before = rows[order[i - 1]];
+    const NodeRow& row = rows[order[i]];
+    if (row.offset < before.offset + before.stored_bytes)
+      fail_row(table, order[i],
+               fmt::format("a chunk behind that of row {}, which ends at {}", order[i - 1],
+                           before.offset + before.stored_bytes),
+               row.offset);
+  }
+}
+
+}  // namespace
+
+std::vector<Field> node_fields() {
+  std::vector<Field> fields;
+  const NodeRow row;
+  for_each_field(row, [&](const char* name, FieldType type, std::uint32_t count, const auto&) {
+    fields.push_back({name, type, count});
+  });
+  return fields;
+}
+
+core::Bytes encode_rows(const std::vector<NodeRow>& rows) {
+  core::ByteWriter writer;
+  for (const NodeRow& row : rows)
+    for_each_field(row, [&](const char*, FieldType, std::uint32_t, const auto& value) { writer.put(value); });
+  return writer.take();
+}
+
+std::array<std::uint64_t, kCapacityClassCount> chunk_counts(const std::vector<NodeRow>& rows) {
+  std::array<std::uint64_t, kCapacityClassCount> counts{};
+  for (const NodeRow& row : rows) ++counts.at(row.capacity_class);
+  return counts;
+}
+
+std::vector<NodeRow> decode_rows(const Table& table, const LatticeInfo& lattice, std::uint64_t file_bytes) {
+  std::vector<const Field*> fields;
+  for (const Field& field : node_fields())
+    fields.push_back(&table.field(field.name, field.type, field.count));
+  std::vector<NodeRow> rows(table.row_count);
+  std::array<std::uint32_t, kCapacityClassCount> next_chunk{};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    NodeRow& row = rows[i];
+    std::size_t f = 0;
+    for_each_field(row, [&](const char*, FieldType, std::uint32_t, auto& value) {
+      std::memcpy(&value, table.at(i, *fields[f++]), sizeof(value));
+    });
+    check_geometry(table, i, row, lattice);
+    check_chunk(table, i, row, file_bytes);
+    if (row.chunk_index != next_chunk[row.capacity_class]++)
+      fail_row(table, i, fmt::format("chunk {} of its class", next_chunk[row.capacity_class] - 1),
+               row.chunk_index);
+    if (i > 0 && std::tie(rows[i - 1].level, rows[i - 1].center) >= std::tie(row.level, row.center))
+      fail_row(table, i, "rows ordered by level and centre, none twice",
+               fmt::format("level {} centre ({}, {}, {})", row.level, row.center[0], row.center[1],
+                           row.center[2]));
+  }
+  check_no_overlap(table, rows);
+  return rows;
+}
+
+}  // namespace colossus::container

@@ -1,0 +1,296 @@
+#include "scratch/spool.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <random>
+
+#include "scratch/directory.hpp"
+#include "scratch/mapped_spool.hpp"
+#include "temporary_directory.hpp"
+
+namespace colossus::scratch {
+namespace {
+
+using core::Bytes;
+
+constexpr unsigned kSeed = 7;
+
+Bytes random_bytes(std::mt19937_64& random, std::size_t size) {
+  Bytes bytes(size);
+  for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+  return bytes;
+}
+
+Bytes copy_of(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
+
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  core::File::create(path).write_at(0, bytes);
+}
+
+// The error of reading `ref`, by reading and by mapping, which must agree; empty when both succeed.
+std::string error_of_reading(const std::filesystem::path& directory, const RecordRef& ref) {
+  std::string read_error;
+  std::string map_error;
+  try {
+    SpoolReader(directory).read(ref);
+  } catch (const core::Error& error) {
+    EXPECT_EQ(error.status(), core::Status::kIo);
+    read_error = error.what();
+  }
+  try {
+    MappedSpool(directory).map(ref);
+  } catch (const core::Error& error) {
+    EXPECT_EQ(error.status(), core::Status::kIo);
+    map_error = error.what();
+  }
+  EXPECT_EQ(read_error, map_error);
+  return read_error;
+}
+
+TEST(Spool, ReturnsWhatWasAppendedForAllSizes) {
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
+  const TemporaryDirectory directory;
+  SpoolWriter writer(directory.path(), 5);
+  std::vector<std::pair<RecordRef, Bytes>> records;
+  // Around the alignment, the page and the size above which records are not buffered.
+  for (const std::size_t size : {0, 1, 7, 8, 9, 4071, 4072, 4073, 200'000, (1 << 20) - 25, (1 << 20) - 24,
+                                 (1 << 20) - 23, 3'000'001, 0, 12}) {
+    const Bytes bytes = random_bytes(random, size);
+    const auto kind = static_cast<std::uint32_t>(random());
+    const RecordRef ref = writer.append(kind, bytes);
+    EXPECT_EQ(ref, (RecordRef{5, kind, ref.offset, size}));
+    EXPECT_EQ(ref.offset % 8, 0U);
+    records.emplace_back(ref, bytes);
+  }
+  writer.flush();
+  EXPECT_EQ(std::filesystem::file_size(ScratchDirectory::spool_path(directory.path(), 5)), writer.size());
+  std::shuffle(records.begin(), records.end(), random);
+  SpoolReader reader(directory.path());
+  MappedSpool mapped(directory.path());
+  for (const auto& [ref, bytes] : records) {
+    EXPECT_EQ(reader.read(ref), bytes);
+    EXPECT_EQ(copy_of(mapped.map(ref)), bytes);
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(mapped.map(ref).data()) % 8, 0U);
+  }
+}
+
+TEST(Spool, PartsBecomeOnePayload) {
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
+  const TemporaryDirectory directory;
+  SpoolWriter writer(directory.path(), 0);
+  for (const std::size_t middle : {0, 3, 300'000, 2'000'000}) {
+    const Bytes a = random_bytes(random, 13);
+    const Bytes b = random_bytes(random, middle);
+    const Bytes c = random_bytes(random, 1'048'560);
+    Bytes all = a;
+    all.insert(all.end(), b.begin(), b.end());
+    all.insert(all.end(), c.begin(), c.end());
+    EXPECT_EQ(SpoolReader(directory.path()).read(writer.append(1, {a, b, {}, c})), all);
+  }
+}
+
+TEST(Spool, MappedArraysAreValuesAndStayValid) {
+  const TemporaryDirectory directory;
+  SpoolWriter writer(directory.path(), 0);
+  MappedSpool mapped(directory.path());
+  const std::vector<double> values{1.5, -2.0, 3e300};
+  const RecordRef ref = writer.append(2, core::as_bytes(values));
+  const std::span<const double> first = mapped.map_array<double>(ref);
+  for (int i = 0; i < 200; ++i) mapped.map(writer.append(3, core::as_bytes(values)));
+  EXPECT_EQ(std::vector<double>(first.begin(), first.end()), values);
+  EXPECT_EQ(mapped.map_array<double>(ref).data(), first.data()) << "mapped twice";
+  using Three = std::array<std::uint64_t, 2>;
+  EXPECT_THROW(mapped.map_array<Three>(ref), core::Error);
+}
+
+TEST(Spool, IsCreatedExclusively) {
+  const TemporaryDirectory directory;
+  SpoolWriter first(directory.path(), 1);
+  const RecordRef ref = first.append(1, Bytes(10));
+  EXPECT_THROW(SpoolWriter(directory.path(), 1), core::Error);
+  EXPECT_EQ(SpoolReader(directory.path()).read(ref), Bytes(10)) << "the failed attempt spoiled the file";
+}
+
+TEST(Spool, AReaderSeesRecordsAppendedAfterItOpenedTheFile) {
+  const TemporaryDirectory directory;
+  SpoolWriter writer(directory.path(), 1);
+  SpoolReader reader(directory.path());
+  for (std::size_t size = 0; size < 100; ++size) {
+    const Bytes bytes(size, std::byte{0x5a});
+    EXPECT_EQ(reader.read(writer.append(9, bytes)), bytes);
+  }
+}
+
+TEST(Spool, RecordsOfAnotherProcessAreReadWhileItGoesOnAppending) {
+  const TemporaryDirectory directory;
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  constexpr std::size_t kCount = 300;
+  const pid_t child = fork();
+  if (child == 0) {
+    SpoolWriter writer(directory.path(), 2);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const RecordRef ref = writer.append(4, Bytes(i * 100, static_cast<std::byte>(i)));
+      if (write(ends[1], &ref, sizeof ref) != sizeof ref) _exit(1);
+    }
+    _exit(0);
+  }
+  close(ends[1]);
+  SpoolReader reader(directory.path());
+  std::size_t count = 0;
+  RecordRef ref;
+  while (read(ends[0], &ref, sizeof ref) == sizeof ref) {
+    EXPECT_EQ(reader.read(ref), Bytes(count * 100, static_cast<std::byte>(count)));
+    ++count;
+  }
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(count, kCount);
+}
+
+TEST(Spool, AReaderKeepsFewFilesOpen) {
+  const TemporaryDirectory directory;
+  std::vector<RecordRef> refs;
+  for (std::uint32_t rank = 0; rank < 20; ++rank)
+    refs.push_back(SpoolWriter(directory.path(), rank)
+                       .append(rank, core::as_bytes(std::span<const std::uint32_t>(&rank, 1))));
+  SpoolReader reader(directory.path(), 4);
+  std::mt19937_64 random(kSeed);
+  for (int i = 0; i < 200; ++i) {
+    const RecordRef& ref = refs[random() % refs.size()];
+    EXPECT_EQ(core::ByteReader(reader.read(ref)).get<std::uint32_t>(), ref.rank);
+    EXPECT_LE(reader.open_file_count(), 4U);
+  }
+  EXPECT_EQ(reader.open_file_count(), 4U);
+}
+
+// A spool of three records, the middle one with padding.
+class SmallSpool : public ::testing::Test {
+ protected:
+  SmallSpool() {
+    SpoolWriter writer(directory_.path(), 0);
+    refs_.push_back(writer.append(1, Bytes(16, std::byte{0x11})));
+    refs_.push_back(writer.append(2, Bytes(13, std::byte{0x22})));
+    refs_.push_back(writer.append(3, Bytes()));
+    path_ = ScratchDirectory::spool_path(directory_.path(), 0);
+    bytes_ = core::read_file(path_);
+  }
+
+  std::size_t record_of(std::size_t byte) const {
+    std::size_t record = 0;
+    while (record_end(refs_[record]) <= byte) ++record;
+    return record;
+  }
+
+  TemporaryDirectory directory_;
+  std::filesystem::path path_;
+  std::vector<RecordRef> refs_;
+  Bytes bytes_;
+};
+
+TEST_F(SmallSpool, IsReadable) {
+  for (const RecordRef& ref : refs_) EXPECT_EQ(error_of_reading(directory_.path(), ref), "");
+}
+
+TEST_F(SmallSpool, AFlippedBitAnywhereIsFoundInItsRecordAndInNoOther) {
+  for (std::size_t byte = 0; byte < bytes_.size(); ++byte) {
+    for (int bit = 0; bit < 8; ++bit) {
+      Bytes damaged = bytes_;
+      damaged[byte] ^= static_cast<std::byte>(1 << bit);
+      write_file(path_, damaged);
+      for (std::size_t i = 0; i < refs_.size(); ++i) {
+        const std::string error = error_of_reading(directory_.path(), refs_[i]);
+        EXPECT_EQ(error.empty(), i != record_of(byte))
+            << "byte " << byte << " bit " << bit << " record " << i << error;
+      }
+    }
+  }
+}
+
+TEST_F(SmallSpool, AFileCutAnywhereIsFoundInTheRecordsThatLieBehind) {
+  for (std::size_t size = 0; size < bytes_.size(); ++size) {
+    write_file(path_, std::span(bytes_).first(size));
+    for (const RecordRef& ref : refs_)
+      EXPECT_EQ(error_of_reading(directory_.path(), ref).empty(), record_end(ref) <= size) << size;
+  }
+}
+
+TEST_F(SmallSpool, AFileCutWhileItIsOpenIsFound) {
+  SpoolReader reader(directory_.path());
+  reader.read(refs_[1]);
+  std::filesystem::resize_file(path_, refs_[1].offset + 5);
+  EXPECT_THROW(reader.read(refs_[1]), core::Error);
+}
+
+TEST_F(SmallSpool, MessagesNameFileOffsetExpectedAndFound) {
+  Bytes damaged = bytes_;
+  damaged[refs_[1].offset] ^= std::byte{1};
+  write_file(path_, damaged);
+  const std::string flipped = error_of_reading(directory_.path(), refs_[1]);
+  const std::string start = path_.string() + ": damaged scratch record at byte 64: expected checksum ";
+  EXPECT_EQ(flipped.substr(0, start.size()), start);
+  write_file(path_, std::span(bytes_).first(70));
+  EXPECT_EQ(
+      error_of_reading(directory_.path(), refs_[1]),
+      path_.string() +
+          ": damaged scratch record at byte 64: expected 13 bytes of kind 2 there, found a file of 70 bytes: "
+          "check the disk and run again");
+}
+
+TEST_F(SmallSpool, ARecordIsReadOnlyAsWhatItIs) {
+  const RecordRef good = refs_[1];
+  for (const RecordRef& wrong :
+       {RecordRef{0, 9, good.offset, good.size}, RecordRef{0, 2, good.offset, good.size - 1},
+        RecordRef{0, 2, good.offset + 8, good.size}, RecordRef{0, 2, 0, 0},
+        RecordRef{0, 2, good.offset + 1, 1}, RecordRef{0, 2, good.offset, ~std::uint64_t{0}},
+        RecordRef{0, 2, ~std::uint64_t{7}, 8}, RecordRef{7, 2, good.offset, good.size}})
+    EXPECT_NE(error_of_reading(directory_.path(), wrong), "")
+        << wrong.rank << ' ' << wrong.kind << ' ' << wrong.offset;
+}
+
+TEST_F(SmallSpool, TheRecordOfAnotherRankOrPlaceDoesNotPass) {
+  // The same bytes under another name, and one record copied over an equally large one.
+  std::filesystem::copy_file(path_, ScratchDirectory::spool_path(directory_.path(), 1));
+  EXPECT_NE(error_of_reading(directory_.path(), {1, 1, refs_[0].offset, refs_[0].size}), "");
+  SpoolWriter writer(directory_.path(), 2);
+  const RecordRef a = writer.append(1, Bytes(8, std::byte{1}));
+  const RecordRef b = writer.append(1, Bytes(8, std::byte{2}));
+  const auto path = ScratchDirectory::spool_path(directory_.path(), 2);
+  Bytes bytes = core::read_file(path);
+  std::copy(bytes.begin(), bytes.begin() + 32, bytes.begin() + 32);
+  write_file(path, bytes);
+  EXPECT_EQ(error_of_reading(directory_.path(), a), "");
+  EXPECT_NE(error_of_reading(directory_.path(), b), "");
+}
+
+TEST(Spool, AFailedAppendIsReportedAndLeavesTheSpoolUsable) {
+  // A limit on the file's size stands for a full disk; its signal is ignored so that write() fails.
+  const TemporaryDirectory directory;
+  SpoolWriter writer(directory.path(), 0);
+  const RecordRef first = writer.append(1, Bytes(1000, std::byte{1}));
+  rlimit old_limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old_limit), 0);
+  const auto old_action = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit limit = old_limit;
+  limit.rlim_cur = 4096;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  EXPECT_THROW(writer.append(1, Bytes(10'000)), core::Error);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &old_limit), 0);
+  std::signal(SIGXFSZ, old_action);
+  const RecordRef second = writer.append(1, Bytes(500, std::byte{2}));
+  SpoolReader reader(directory.path());
+  EXPECT_EQ(reader.read(first), Bytes(1000, std::byte{1}));
+  EXPECT_EQ(reader.read(second), Bytes(500, std::byte{2}));
+}
+
+}  // namespace
+}  // namespace colossus::scratch
