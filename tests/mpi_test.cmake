@@ -5,7 +5,8 @@ include_guard(GLOBAL)
 # time to the same cores. Leaks are Open MPI's own, in modules that it has unloaded, so that no suppression names them.
 set(COLOSSUS_MPI_ENVIRONMENT
     OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
-    OMPI_MCA_hwloc_base_binding_policy=none ASAN_OPTIONS=detect_leaks=0)
+    OMPI_MCA_hwloc_base_binding_policy=none ASAN_OPTIONS=detect_leaks=0
+    CACHE INTERNAL "environment of tests under mpirun, in all folders")
 
 # colossus_mpi_run_test(<test name> <ranks> COMMAND ... [TIMEOUT seconds]): a ctest that runs COMMAND under mpirun.
 function(colossus_mpi_run_test name ranks)

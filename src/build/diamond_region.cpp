@@ -58,7 +58,6 @@ simplify::Region make_region(const Diamond& diamond, std::span<const PlacedMesh>
   }
   std::vector<mesh::Vertex> vertices;
   std::vector<simplify::FaceMask> faces;
-  std::vector<float> deviations;
   std::vector<mesh::Triangle> triangles;
   for (const PlacedMesh& part : parts) {
     const auto base = static_cast<std::uint32_t>(vertices.size());
@@ -69,7 +68,10 @@ simplify::Region make_region(const Diamond& diamond, std::span<const PlacedMesh>
         if (region.cell_planes[part.place][corner].side(mesh.vertices[v].position) == 0) mask |= bits[part.place][corner];
       vertices.push_back(mesh.vertices[v]);
       faces.push_back(mask);
-      deviations.push_back(part.content.deviations.empty() ? 0.0F : part.content.deviations[v]);
+    }
+    for (simplify::SurfaceSample sample : part.content.samples) {
+      sample.anchor += base;
+      region.samples.push_back(sample);
     }
     for (const mesh::Triangle& t : mesh.triangles) {
       triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
@@ -83,15 +85,14 @@ simplify::Region make_region(const Diamond& diamond, std::span<const PlacedMesh>
       renumbered[v] = static_cast<std::uint32_t>(region.mesh.vertices.size());
       region.mesh.vertices.push_back(vertices[v]);
       region.faces.push_back(0);
-      region.deviations.push_back(0.0F);
     }
     const std::uint32_t to = renumbered[remap[v]];
     region.faces[to] |= faces[v];
-    region.deviations[to] = std::max(region.deviations[to], deviations[v]);
   }
   for (mesh::Triangle& t : triangles)
     for (auto& v : t) v = renumbered[remap[v]];
   region.mesh.triangles = std::move(triangles);
+  for (simplify::SurfaceSample& sample : region.samples) sample.anchor = renumbered[remap[sample.anchor]];
   return region;
 }
 
@@ -109,11 +110,15 @@ std::vector<PlacedMesh> split_region(const simplify::Region& region, const Diamo
         if (renumbered[v] == kNone) {
           renumbered[v] = static_cast<std::uint32_t>(part.content.mesh.vertices.size());
           part.content.mesh.vertices.push_back(region.mesh.vertices[v]);
-          part.content.deviations.push_back(region.deviations[v]);
         }
         v = renumbered[v];
       }
       part.content.mesh.triangles.push_back(t);
+    }
+    for (simplify::SurfaceSample sample : region.samples) {
+      if (sample.cell != place) continue;
+      sample.anchor = renumbered[sample.anchor];
+      part.content.samples.push_back(sample);
     }
     if (!part.content.mesh.triangles.empty()) parts.push_back(std::move(part));
   }

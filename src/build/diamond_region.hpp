@@ -15,7 +15,7 @@ struct PlacedMesh {
   TetrahedronMesh content;
 };
 
-// Welds the parts by position; equal positions take the first one's attributes and the greatest deviation. Every
+// Welds the parts by position; equal positions take the first one's attributes. Every
 // vertex gets a bit for each face of the diamond's tetrahedra that it lies on exactly: up to 8 inner faces, which hold
 // the long edge, and up to 16 outer ones.
 simplify::Region make_region(const hierarchy::Diamond& diamond, std::span<const PlacedMesh> parts);

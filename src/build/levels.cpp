@@ -72,11 +72,13 @@ class LevelBuilder {
       if (!diamond.is_inside[static_cast<std::size_t>(place)]) continue;
       for (const int end : {0, 1}) {
         const TetrahedronId child = hierarchy::id_of(diamond.tetrahedra[static_cast<std::size_t>(place)].child(end));
+        // A child counts even when only its other tetrahedra hold geometry: errors grow from every node to its parents.
+        if (const auto error = errors_.find(child.center); error != errors_.end())
+          task.least_error = std::max(task.least_error, error->second);
         const auto entry = tetrahedra_.find(child);
         if (entry == tetrahedra_.end()) continue;
         task.parts.push_back({static_cast<std::uint32_t>(place), static_cast<std::uint32_t>(end), entry->second.triangles,
                               0, entry->second.record});
-        task.least_error = std::max(task.least_error, errors_.at(child.center));
       }
     }
     return task;

@@ -7,6 +7,7 @@
 #include "codec/node_codec.hpp"
 #include "container/chunk.hpp"
 #include "simplify/collapse.hpp"
+#include "simplify/deviation.hpp"
 
 namespace colossus::build {
 namespace {
@@ -16,10 +17,23 @@ using core::Bytes;
 using core::ByteWriter;
 using hierarchy::Diamond;
 
+// About one and a half per triangle of a tetrahedron of the default size.
+constexpr std::size_t kSamplesPerTetrahedron = 4096;
+// What lies between the samples can be farther than they are.
+constexpr double kDeviationMargin = 1.5;
+
 std::vector<PlacedMesh> load_parts(const Workspace& workspace, const NodeTask& task) {
   std::vector<PlacedMesh> parts;
   for (const NodePart& part : task.parts) parts.push_back({part.place, load(workspace, part.record)});
   return parts;
+}
+
+// Leaves are the input: their vertices are its first samples.
+void add_missing_samples(TetrahedronMesh& content) {
+  if (!content.samples.empty()) return;
+  for (std::uint32_t v = 0; v < content.mesh.vertices.size(); ++v)
+    content.samples.push_back({content.mesh.vertices[v].position, v, 0.0F, 0});
+  simplify::thin_out(content.samples, kSamplesPerTetrahedron);
 }
 
 std::size_t target_of(const NodeSettings& settings, const std::vector<PlacedMesh>& parts) {
@@ -34,16 +48,20 @@ std::size_t target_of(const NodeSettings& settings, const std::vector<PlacedMesh
 }
 
 std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond,
-                                      std::vector<PlacedMesh>&& parts, NodeStatistics& statistics) {
+                                      std::vector<PlacedMesh>&& parts, NodeStatistics& statistics, double& deviation) {
   const std::size_t target = target_of(settings, parts);
+  for (PlacedMesh& part : parts) add_missing_samples(part.content);
   simplify::Region region = make_region(diamond, parts);
   parts.clear();
   const simplify::Outcome outcome = simplify::simplify(region, target);
+  deviation = outcome.deviation;
   statistics.initial_triangles = outcome.initial_triangles;
   statistics.target_triangles = target;
   statistics.initial_vertices = outcome.initial_vertices;
   statistics.locked_vertices = outcome.locked_vertices;
-  return split_region(region, diamond);
+  parts = split_region(region, diamond);
+  for (PlacedMesh& part : parts) simplify::thin_out(part.content.samples, kSamplesPerTetrahedron);
+  return std::move(parts);
 }
 
 // World bounds of what a reader decodes, in the reader's own arithmetic.
@@ -121,7 +139,8 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
   const Diamond diamond = Diamond::at(task.center);
   NodeResult result;
   std::vector<PlacedMesh> parts = load_parts(workspace, task);
-  if (!task.is_leaf) parts = simplify_node(settings, diamond, std::move(parts), result.statistics);
+  double deviation = 0.0;
+  if (!task.is_leaf) parts = simplify_node(settings, diamond, std::move(parts), result.statistics, deviation);
 
   container::NodeRow& row = result.row;
   row.level = static_cast<std::uint32_t>(diamond.level);
@@ -132,7 +151,6 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
   node.has_normals = settings.quantize.normals;
   node.has_colors = settings.quantize.colors;
   StoredBounds bounds;
-  double error = 0.0;
   for (const PlacedMesh& part : parts) {
     const hierarchy::Tetrahedron& tetrahedron = diamond.tetrahedra[part.place];
     codec::Quantized stored =
@@ -143,10 +161,6 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
     result.statistics.angles.below_30_degrees += angles.below_30_degrees;
     result.statistics.reached_triangles += part.content.mesh.triangles.size();
     const double displacement = stored.displacement * settings.lattice.step;
-    const auto greatest = std::max_element(part.content.deviations.begin(), part.content.deviations.end());
-    const double deviation =
-        greatest == part.content.deviations.end() ? 0.0 : static_cast<double>(*greatest) * settings.lattice.step;
-    error = std::max(error, deviation + displacement + settings.input_error);
     result.displacement = std::max(result.displacement, displacement);
     if (task.is_leaf && part.content.mesh.triangles.size() > settings.leaf_triangles)
       row.flags = static_cast<std::uint8_t>(row.flags | container::kNodeIsAboveLimit);
@@ -157,7 +171,8 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
     bounds.add(stored.tetrahedron, tetrahedron);
     node.tetrahedra.push_back(std::move(stored.tetrahedron));
   }
-  row.error = std::max(error, task.least_error);
+  row.error = std::max(kDeviationMargin * deviation * settings.lattice.step + result.displacement + settings.input_error,
+                       task.least_error);
   if (row.triangles > 0) row.bounds = bounds.world(settings.lattice, node.position_bits);
   const container::PackedChunk chunk = container::pack_chunk(codec::encode(node));
   row.capacity_class = chunk.capacity_class;

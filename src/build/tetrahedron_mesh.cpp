@@ -4,14 +4,14 @@ namespace colossus::build {
 
 TetrahedronRecord store(const Workspace& workspace, const hierarchy::TetrahedronId& id, const TetrahedronMesh& content) {
   const std::array<std::uint64_t, 3> counts{content.mesh.vertices.size(), content.mesh.triangles.size(),
-                                            content.deviations.size()};
+                                            content.samples.size()};
   TetrahedronRecord entry;
   entry.id = id;
   entry.vertices = static_cast<std::uint32_t>(counts[0]);
   entry.triangles = static_cast<std::uint32_t>(counts[1]);
   entry.record = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kTetrahedron),
                                          {std::as_bytes(std::span(counts)), core::as_bytes(content.mesh.vertices),
-                                          core::as_bytes(content.mesh.triangles), core::as_bytes(content.deviations)});
+                                          core::as_bytes(content.mesh.triangles), core::as_bytes(content.samples)});
   return entry;
 }
 
@@ -22,7 +22,7 @@ TetrahedronMesh load(const Workspace& workspace, const scratch::RecordRef& recor
   TetrahedronMesh content;
   content.mesh.vertices = reader.get_array<mesh::Vertex>(counts[0]);
   content.mesh.triangles = reader.get_array<mesh::Triangle>(counts[1]);
-  content.deviations = reader.get_array<float>(counts[2]);
+  content.samples = reader.get_array<simplify::SurfaceSample>(counts[2]);
   COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
   return content;
 }

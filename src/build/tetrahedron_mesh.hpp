@@ -4,12 +4,13 @@
 #include "build/catalog.hpp"
 #include "build/workspace.hpp"
 #include "hierarchy/diamond.hpp"
+#include "simplify/region.hpp"
 
 namespace colossus::build {
 
 struct TetrahedronMesh {
   mesh::Mesh mesh;                // welded; vertices in order of first use
-  std::vector<float> deviations;  // per vertex, lattice units; empty for leaves, where all are 0
+  std::vector<simplify::SurfaceSample> samples;  // of the input; none for leaves, which are the input
 };
 
 // Where it lies, and what the master needs to know of it.

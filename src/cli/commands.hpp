@@ -12,5 +12,8 @@ using Action = std::function<int(int& argc, char**& argv)>;
 
 void add_build(CLI::App& app, Action& chosen);
 void add_synth(CLI::App& app, Action& chosen);
+void add_info(CLI::App& app, Action& chosen);
+void add_verify(CLI::App& app, Action& chosen);
+void add_extract(CLI::App& app, Action& chosen);
 
 }  // namespace colossus::cli

@@ -12,6 +12,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   colossus::cli::Action chosen;
   colossus::cli::add_build(app, chosen);
+  colossus::cli::add_info(app, chosen);
+  colossus::cli::add_verify(app, chosen);
+  colossus::cli::add_extract(app, chosen);
   colossus::cli::add_synth(app, chosen);
   try {
     app.parse(argc, argv);

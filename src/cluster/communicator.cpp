@@ -15,8 +15,6 @@ using detail::wait_politely;
 
 constexpr int kTransferTag = 1;
 
-void wait_for_ranks(MPI_Request request) { wait_politely(std::span(&request, 1), detail::kLongSleep); }
-
 MPI_Datatype mpi_type(std::int64_t) { return MPI_INT64_T; }
 MPI_Datatype mpi_type(std::uint64_t) { return MPI_UINT64_T; }
 
@@ -30,7 +28,7 @@ void all_reduce(const Communicator::Impl& impl, std::span<T> values, MPI_Op oper
     check_mpi(MPI_Iallreduce(MPI_IN_PLACE, values.data() + first, static_cast<int>(count), mpi_type(T{}),
                              operation, impl.collective, &request),
               "MPI_Iallreduce");
-    wait_for_ranks(request);
+    wait_politely(request);
   }
 }
 
@@ -56,7 +54,7 @@ std::vector<std::uint64_t> sizes_of_all(const Communicator::Impl& impl, std::uin
   MPI_Request request = MPI_REQUEST_NULL;
   check_mpi(MPI_Iallgather(&mine, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, impl.collective, &request),
             "MPI_Iallgather");
-  wait_for_ranks(request);
+  wait_politely(request);
   return sizes;
 }
 
@@ -81,7 +79,7 @@ std::vector<core::Bytes> transfer(const Communicator::Impl& impl,
   }
   const auto self = static_cast<std::size_t>(impl.rank);
   if (from_sizes[self] > 0) from_each[self].assign(to_each[self].begin(), to_each[self].end());
-  wait_politely(requests, detail::kShortSleep);
+  detail::wait_for_transfers(requests);
   return from_each;
 }
 
@@ -96,7 +94,7 @@ int Communicator::size() const { return impl_->size; }
 void Communicator::barrier() const {
   MPI_Request request = MPI_REQUEST_NULL;
   check_mpi(MPI_Ibarrier(impl_->collective, &request), "MPI_Ibarrier");
-  wait_for_ranks(request);
+  wait_politely(request);
 }
 
 void Communicator::broadcast(core::Bytes& bytes, int root) const {
@@ -104,14 +102,14 @@ void Communicator::broadcast(core::Bytes& bytes, int root) const {
   std::uint64_t size = bytes.size();
   MPI_Request request = MPI_REQUEST_NULL;
   check_mpi(MPI_Ibcast(&size, 1, MPI_UINT64_T, root, impl_->collective, &request), "MPI_Ibcast");
-  wait_for_ranks(request);
+  wait_politely(request);
   bytes.resize(size);
   for (std::size_t offset = 0; offset < bytes.size(); offset += impl_->piece_bytes) {
     const std::size_t count = std::min(impl_->piece_bytes, bytes.size() - offset);
     check_mpi(MPI_Ibcast(bytes.data() + offset, static_cast<int>(count), MPI_BYTE, root, impl_->collective,
                          &request),
               "MPI_Ibcast");
-    wait_politely(std::span(&request, 1), detail::kShortSleep);
+    wait_politely(request);
   }
 }
 
@@ -142,7 +140,7 @@ std::vector<core::Bytes> Communicator::exchange(std::vector<core::Bytes> to_each
   check_mpi(MPI_Ialltoall(to_sizes.data(), 1, MPI_UINT64_T, from_sizes.data(), 1, MPI_UINT64_T,
                           impl_->collective, &request),
             "MPI_Ialltoall");
-  wait_for_ranks(request);
+  wait_politely(request);
   // The part for this rank itself may be most of all: it is moved, not copied.
   const auto self = static_cast<std::size_t>(rank());
   core::Bytes own = std::move(to_each[self]);

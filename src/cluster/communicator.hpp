@@ -3,7 +3,7 @@
 // "Collective" means: every rank calls it, in the same order as the other collective calls. No call spins
 // while it waits for other ranks: ranks may share cores, so a waiting rank sleeps (50 microseconds at first,
 // growing to one millisecond). Every message is far smaller than 2 GiB, whatever the size of the bytes. A
-// failing MPI call is an Error(kIo).
+// failing MPI call ends all ranks with status kIo and MPI's message.
 #pragma once
 
 #include <cstddef>
@@ -25,6 +25,9 @@ class AgreedError : public core::Error {
  public:
   using core::Error::Error;
 };
+
+// Small enough that pieces which arrive show that bytes are moving, large enough that they are few.
+inline constexpr std::size_t kDefaultPieceBytes = std::size_t{1} << 20;
 
 class Communicator {
  public:
@@ -97,8 +100,8 @@ class Communicator {
   // become one, see error_of_current_exception().
   void attempt(const std::function<void()>& step) const;
 
-  // Not collective, but all ranks must set the same. Larger bytes travel in pieces of this size. The default
-  // is 256 MiB; tests set less.
+  // Not collective, but all ranks must set the same, below 1 GiB. Bytes travel in pieces of at most this
+  // size; tests set less.
   void set_piece_bytes(std::size_t piece_bytes);
 
   Impl& impl() const { return *impl_; }

@@ -47,7 +47,7 @@ class Master {
     for (int round = 0; round < kTasksPerWorker; ++round)
       for (int worker = 1; worker <= worker_count_; ++worker) hand_out(worker);
     for (int worker = 1; worker <= worker_count_; ++worker) stop_if_idle(worker);
-    detail::Backoff backoff(detail::kLongSleep);
+    detail::Backoff backoff;
     while (!port_.is_finished()) {
       if (std::optional<Message> message = port_.poll()) {
         take(std::move(*message));
@@ -145,7 +145,7 @@ class Worker {
       : work_(work), port_(ranks.impl().farm, 1, ranks.impl().piece_bytes) {}
 
   FarmShare run() {
-    detail::Backoff backoff(detail::kLongSleep);
+    detail::Backoff backoff;
     for (;;) {
       receive();
       if (is_stopped_) break;

@@ -94,7 +94,7 @@ int say_farewell(const Communicator& world, const Outcome& outcome) {
             "MPI_Iallgather");
   const bool is_lone_failure = !outcome.message.empty() && !outcome.is_agreed;
   const auto limit = is_lone_failure ? std::optional(kGrace) : std::nullopt;
-  if (!detail::wait_politely(std::span(&request, 1), detail::kLongSleep, limit)) {
+  if (!detail::wait_politely(request, limit)) {
     print_error(on_rank(impl.rank), outcome.message);
     MPI_Abort(MPI_COMM_WORLD, outcome.status);
   }
@@ -139,14 +139,7 @@ Session::~Session() {
 int run_ranks(int& argc, char**& argv, const std::function<int(Communicator&)>& body) {
   Session session(argc, argv);
   Communicator& world = session.world();
-  const Outcome outcome = run_body(world, body);
-  try {
-    return say_farewell(world, outcome);
-  } catch (const core::Error& error) {
-    print_error(on_rank(world.rank()), outcome.message.empty() ? error.what() : outcome.message);
-    MPI_Abort(MPI_COMM_WORLD, outcome.status != 0 ? outcome.status : static_cast<int>(error.status()));
-    throw;
-  }
+  return say_farewell(world, run_body(world, body));
 }
 
 }  // namespace colossus::cluster

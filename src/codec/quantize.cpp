@@ -83,28 +83,6 @@ void order_for_cache(std::vector<Triangle>& triangles, std::size_t vertex_count)
   std::copy(ordered.begin(), ordered.end(), triangles.front().data());
 }
 
-// How far the surface moves when vertex v moves by d: along the triangle normals, if these agree, else wholly.
-double surface_displacement(const mesh::Mesh& mesh, const std::vector<std::array<double, 3>>& moves) {
-  double greatest = 0.0;
-  for (const Triangle& t : mesh.triangles) {
-    const auto& p = mesh.vertices[t[0]].position;
-    const auto& q = mesh.vertices[t[1]].position;
-    const auto& r = mesh.vertices[t[2]].position;
-    const std::array<double, 3> u{double(q.x) - p.x, double(q.y) - p.y, double(q.z) - p.z};
-    const std::array<double, 3> w{double(r.x) - p.x, double(r.y) - p.y, double(r.z) - p.z};
-    const std::array<double, 3> n{u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
-    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (const auto v : t) {
-      const auto& d = moves[v];
-      const double whole = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-      // A tenth of the movement along the surface stays as a margin for bends at edges.
-      const double along = length > 0.0 ? std::abs(d[0] * n[0] + d[1] * n[1] + d[2] * n[2]) / length : whole;
-      greatest = std::max(greatest, std::min(whole, along + 0.1 * whole));
-    }
-  }
-  return greatest;
-}
-
 }  // namespace
 
 Barycentric::Barycentric(const hierarchy::Tetrahedron& tetrahedron) {
@@ -152,19 +130,18 @@ Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahe
                    const QuantizeOptions& options) {
   const Barycentric barycentric(tetrahedron);
   const double scale = 1.0 / static_cast<double>(std::int64_t{1} << options.position_bits);
+  Quantized result;
   std::vector<Weights> weights;
   std::vector<std::uint8_t> marks;
-  std::vector<std::array<double, 3>> moves;
   for (const mesh::Vertex& vertex : mesh.vertices) {
     weights.push_back(barycentric.weights(vertex.position, options.position_bits));
     marks.push_back(barycentric.marks(vertex.position));
     const ScaledPosition stored = scaled_position(weights.back(), tetrahedron);
-    moves.push_back({static_cast<double>(stored[0]) * scale - vertex.position.x,
-                     static_cast<double>(stored[1]) * scale - vertex.position.y,
-                     static_cast<double>(stored[2]) * scale - vertex.position.z});
+    const double x = static_cast<double>(stored[0]) * scale - vertex.position.x;
+    const double y = static_cast<double>(stored[1]) * scale - vertex.position.y;
+    const double z = static_cast<double>(stored[2]) * scale - vertex.position.z;
+    result.displacement = std::max(result.displacement, std::sqrt(x * x + y * y + z * z));
   }
-  Quantized result;
-  result.displacement = surface_displacement(mesh, moves);
   std::vector<Triangle> triangles = mesh.triangles;
   merge_fallen_together(triangles, weights, marks);
   cancel_opposites(triangles);

@@ -27,8 +27,7 @@ class Barycentric {
 
 struct Quantized {
   QuantizedTetrahedron tetrahedron;
-  // Upper bound of the distance, in lattice units, by which storing moved the surface: the largest movement of a
-  // vertex along the normals of its triangles, or as a whole where these bend.
+  // Upper bound of the distance, in lattice units, by which storing moved the surface: the largest movement of a vertex.
   double displacement = 0.0;
 };
 

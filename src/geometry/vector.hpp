@@ -28,8 +28,8 @@ inline Vec3 to_vec3(const Point& p) {
   return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
 }
 
-// Squared distance from p to the closed triangle a b c, which may be degenerate (Ericson, Real-Time Collision
-// Detection, 5.1.5).
-double squared_distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+// Squared distance from p to the closed triangle a b c, which may be degenerate, or `bound` if that is less: a small
+// bound saves most of the work. Rounding can lose distances below 1e-7 of the triangle's size.
+double squared_distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double bound);
 
 }  // namespace colossus::geometry

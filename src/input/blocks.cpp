@@ -30,21 +30,21 @@ std::array<float, 3> normal_or_zero(const std::array<double, 3>& normal) {
 }
 
 void fail_coordinate(const SourceInfo& info, std::uint64_t vertex, int axis, double value) {
-  fail(Status::kBadData, "{}: vertex {}: coordinate {} is {}; expected a finite number", info.path.string(), vertex,
-       "xyz"[axis], value);
+  fail(Status::kBadData, "{}: vertex {}: coordinate {} is {}; expected a finite number", info.path.string(),
+       vertex, "xyz"[axis], value);
 }
 
 void fail_index(const SourceInfo& info, std::string_view element, std::uint64_t number, std::int64_t index,
                 std::uint64_t vertex_count) {
-  fail(Status::kBadData, "{}: {} {}: vertex index {} is out of range; expected 0 to {}", info.path.string(), element,
-       number, index, vertex_count - 1);
+  fail(Status::kBadData, "{}: {} {}: vertex index {} is out of range; expected 0 to {}", info.path.string(),
+       element, number, index, vertex_count - 1);
 }
 
 void check_vertex_count(const SourceInfo& info, std::uint64_t count) {
   if (count == 0) fail(Status::kBadData, "{}: has no vertices", info.path.string());
   if (count > std::numeric_limits<std::uint32_t>::max())
-    fail(Status::kBadData, "{}: has {} vertices; at most {} are supported per file: split it", info.path.string(), count,
-         std::numeric_limits<std::uint32_t>::max());
+    fail(Status::kBadData, "{}: has {} vertices; at most {} are supported per file: split it",
+         info.path.string(), count, std::numeric_limits<std::uint32_t>::max());
 }
 
 void VertexCollector::add(const VertexValues& values) {

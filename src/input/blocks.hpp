@@ -28,13 +28,14 @@ std::array<float, 3> normal_or_zero(const std::array<double, 3>& normal);
 [[noreturn]] void fail_coordinate(const SourceInfo& info, std::uint64_t vertex, int axis, double value);
 
 // Throws Error(kBadData): `element` number `number` names vertex `index`, of `vertex_count`.
-[[noreturn]] void fail_index(const SourceInfo& info, std::string_view element, std::uint64_t number, std::int64_t index,
-                             std::uint64_t vertex_count);
+[[noreturn]] void fail_index(const SourceInfo& info, std::string_view element, std::uint64_t number,
+                             std::int64_t index, std::uint64_t vertex_count);
 
 class VertexCollector {
  public:
   VertexCollector(const SourceInfo& info, BlockSink& sink) : info_(info), sink_(sink) {}
-  // Throws Error(kBadData) for a coordinate that is not finite, and for more vertices than 32 bits can number.
+  // Throws Error(kBadData) for a coordinate that is not finite, and for more vertices than 32 bits can
+  // number.
   void add(const VertexValues& values);
   // Delivers what is left; to be called once at the end.
   void finish();
@@ -65,8 +66,8 @@ class FaceCollector {
     corners_ = 0;
   }
 
-  // A triangle strip: every corner after the second makes a triangle, every other one is turned over so that all face
-  // the same way. end_strip() at a restart and at the end.
+  // A triangle strip: every corner after the second makes a triangle, every other one is turned over so that
+  // all face the same way. end_strip() at a restart and at the end.
   void strip_corner(std::uint32_t index) {
     if (corners_ >= 2) corners_ % 2 == 0 ? add(first_, last_, index) : add(last_, first_, index);
     first_ = last_;

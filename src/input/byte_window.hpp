@@ -18,7 +18,10 @@ class ByteWindow {
 
   // Starts at `offset`, which is at most `file_size`. The file must outlive the window.
   ByteWindow(const core::File& file, std::uint64_t offset, std::uint64_t file_size)
-      : file_(file), next_(offset), file_size_(file_size), buffer_(std::min<std::uint64_t>(kCapacity, file_size - offset)) {}
+      : file_(file),
+        next_(offset),
+        file_size_(file_size),
+        buffer_(std::min<std::uint64_t>(kCapacity, file_size - offset)) {}
 
   // All buffered bytes: at least `size` (at most kCapacity), or all that are left of the file.
   std::span<const std::byte> peek(std::size_t size) {

@@ -1,11 +1,13 @@
-// OBJ files (Wavefront): v with optional colours, vn, f; line continuations, negative indices, polygons. (Why not
-// OpenMesh: see stl_source.cpp.)
+// OBJ files (Wavefront): v with optional colours, vn, f; line continuations, negative indices, polygons. (Why
+// not OpenMesh: see stl_source.cpp.)
 //
 // A first pass over the file, when it is opened, counts and decides:
-// - Colours (v x y z r g b [a]) if every vertex has them; they are 0 to 1, or 0 to 255 if any is greater than 1.
-// - Normals if no vertex has two different ones at the corners of its faces; else they are dropped, and listed as
-//   skipped: a normal per corner says how the exporter shaded, and normals per vertex can be computed. A vertex that no
-//   face with normals uses has an unknown one.
+// - Colours (v x y z r g b [a]) if every vertex has them; they are 0 to 1, or 0 to 255 if any is greater
+// than 1.
+// - Normals if no vertex has two different ones at the corners of its faces; else they are dropped, and
+// listed as
+//   skipped: a normal per corner says how the exporter shaded, and normals per vertex can be computed. A
+//   vertex that no face with normals uses has an unknown one.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -48,7 +50,8 @@ std::optional<Corner> parse_corner(std::string_view word) {
   return {};
 }
 
-// An OBJ index as one from 0; out of range if it is not below `count`. `seen` is what negative ones count back from.
+// An OBJ index as one from 0; out of range if it is not below `count`. `seen` is what negative ones count
+// back from.
 std::uint64_t resolve(std::int64_t index, std::uint64_t seen) {
   return index > 0 ? static_cast<std::uint64_t>(index) - 1 : seen + static_cast<std::uint64_t>(index);
 }
@@ -104,7 +107,8 @@ class Scan {
 
   void scan_normal() {
     std::array<double, 3> normal;
-    for (double& value : normal) value = parse_double(text_.word()).value_or(std::numeric_limits<double>::quiet_NaN());
+    for (double& value : normal)
+      value = parse_double(text_.word()).value_or(std::numeric_limits<double>::quiet_NaN());
     if (normals.size() < kNoNormal) normals.push_back(normal_or_zero(normal));
   }
 
@@ -144,8 +148,8 @@ class ObjSource final : public Source {
     check_vertex_count(info_, info_.vertex_count);
     info_.has_colors = scan.colored_count == scan.vertex_count;
     if (!info_.has_colors && scan.colored_count > 0)
-      info_.skipped.push_back(fmt::format("vertex colours (only {} of {} vertices have them)", scan.colored_count,
-                                          scan.vertex_count));
+      info_.skipped.push_back(fmt::format("vertex colours (only {} of {} vertices have them)",
+                                          scan.colored_count, scan.vertex_count));
     colors_are_floats_ = scan.largest_color <= 1;
     info_.has_normals = scan.has_consistent_normals && !scan.normal_of_vertex.empty();
     if (info_.has_normals) {
@@ -153,8 +157,9 @@ class ObjSource final : public Source {
       normal_of_vertex_ = std::move(scan.normal_of_vertex);
       normal_of_vertex_.resize(info_.vertex_count, kNoNormal);
     } else if (!scan.normals.empty()) {
-      info_.skipped.push_back(scan.has_consistent_normals ? "vn (normals that no face uses)"
-                                                          : "vn (normals that differ between the faces of a vertex)");
+      info_.skipped.push_back(scan.has_consistent_normals
+                                  ? "vn (normals that no face uses)"
+                                  : "vn (normals that differ between the faces of a vertex)");
     }
   }
 
@@ -185,20 +190,22 @@ class ObjSource final : public Source {
     for (auto word = text.word(); !word.empty(); word = text.word(), ++count) {
       const auto value = parse_double(word);
       if (!value || count == numbers.size())
-        fail(Status::kBadData, "{}: vertex {} (line {}): expected {}, found '{}'", info_.path.string(), number,
-             text.line(), value ? "at most 7 numbers" : "a number", word);
+        fail(Status::kBadData, "{}: vertex {} (line {}): expected {}, found '{}'", info_.path.string(),
+             number, text.line(), value ? "at most 7 numbers" : "a number", word);
       numbers[count] = *value;
     }
     if (count < 3 || count == 5)
-      fail(Status::kBadData, "{}: vertex {} (line {}): expected x y z, x y z w or x y z r g b, found {} numbers",
+      fail(Status::kBadData,
+           "{}: vertex {} (line {}): expected x y z, x y z w or x y z r g b, found {} numbers",
            info_.path.string(), number, text.line(), count);
     VertexValues values;
     std::copy_n(numbers.begin(), 3, values.position.begin());
     for (std::size_t k = 0; info_.has_colors && k + 3 < count; ++k) {
       if (std::isnan(numbers[3 + k]))
-        fail(Status::kBadData, "{}: vertex {} (line {}): colour {} is nan; expected a number", info_.path.string(),
-             number, text.line(), k);
-      values.color[k] = colors_are_floats_ ? color_from_unit(numbers[3 + k]) : color_from_byte(numbers[3 + k]);
+        fail(Status::kBadData, "{}: vertex {} (line {}): colour {} is nan; expected a number",
+             info_.path.string(), number, text.line(), k);
+      values.color[k] =
+          colors_are_floats_ ? color_from_unit(numbers[3 + k]) : color_from_byte(numbers[3 + k]);
     }
     if (info_.has_normals && number < normal_of_vertex_.size() && normal_of_vertex_[number] != kNoNormal)
       std::copy_n(normals_[normal_of_vertex_[number]].begin(), 3, values.normal.begin());
@@ -210,11 +217,13 @@ class ObjSource final : public Source {
     for (auto word = text.word(); !word.empty(); word = text.word()) {
       const auto corner = parse_corner(word);
       if (!corner)
-        fail(Status::kBadData, "{}: face {} (line {}): expected a corner like 1, 1/2, 1//3 or 1/2/3, found '{}'",
+        fail(Status::kBadData,
+             "{}: face {} (line {}): expected a corner like 1, 1/2, 1//3 or 1/2/3, found '{}'",
              info_.path.string(), number, text.line(), word);
       const std::uint64_t index = resolve(corner->vertex, seen);
       if (corner->vertex == 0 || index >= info_.vertex_count)
-        fail(Status::kBadData, "{}: face {} (line {}): vertex index {} is out of range; expected 1 to {} or -{} to -1",
+        fail(Status::kBadData,
+             "{}: face {} (line {}): vertex index {} is out of range; expected 1 to {} or -{} to -1",
              info_.path.string(), number, text.line(), corner->vertex, info_.vertex_count, seen);
       faces.polygon_corner(static_cast<std::uint32_t>(index));
     }

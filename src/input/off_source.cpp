@@ -1,15 +1,17 @@
-// OFF files (Geomview): [ST][C][N]OFF in ASCII, with comments. One row per line. (Why not OpenMesh: see stl_source.cpp.)
+// OFF files (Geomview): [ST][C][N]OFF in ASCII, with comments. One row per line. (Why not OpenMesh: see
+// stl_source.cpp.)
 //
 //   COFF   # the keyword may be missing, or stand on one line with the counts, even without a space
 //   3 1 0  # vertices, faces, edges (not read)
 //   x y z [nx ny nz] [r g b [a]] [s t]
 //   3 0 1 2 [colour of the face, not read]
 //
-// Colours are floats from 0 to 1 if any of the file's has a point or an exponent, or if none is greater than 1; else
-// they are 0 to 255. So one pass over the vertices precedes the first part of a file with colours.
+// Colours are floats from 0 to 1 if any of the file's has a point or an exponent, or if none is greater than
+// 1; else they are 0 to 255. So one pass over the vertices precedes the first part of a file with colours.
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/error.hpp"
@@ -37,7 +39,8 @@ class OffSource final : public Source {
     // Each number takes a character and a separator.
     const std::uint64_t left = info_.bytes;
     if (info_.vertex_count > left / 6 || info_.face_count > left / 2)
-      fail(Status::kBadData, "{}: truncated, or the header lies: expected {} vertices and {} faces, found {} bytes",
+      fail(Status::kBadData,
+           "{}: truncated, or the header lies: expected {} vertices and {} faces, found {} bytes",
            info_.path.string(), info_.vertex_count, info_.face_count, info_.bytes);
     check_vertex_count(info_, info_.vertex_count);
     scan_vertices(text);
@@ -63,9 +66,10 @@ class OffSource final : public Source {
  private:
   TextReader open_text() const { return TextReader(file_, 0, {.comments = true, .continuations = false}); }
 
-  [[noreturn]] void bad_header(const TextReader& text, std::string_view expected, std::string_view found) const {
-    fail(Status::kBadData, "{}: header (line {}): expected {}, found '{}'", info_.path.string(), text.line(), expected,
-         found);
+  [[noreturn]] void bad_header(const TextReader& text, std::string_view expected,
+                               std::string_view found) const {
+    fail(Status::kBadData, "{}: header (line {}): expected {}, found '{}'", info_.path.string(), text.line(),
+         expected, found);
   }
 
   // Reads the keyword, if there is one, and returns the first count's word, which may follow it directly.
@@ -109,33 +113,36 @@ class OffSource final : public Source {
     return static_cast<std::uint64_t>(*count);
   }
 
-  // How many numbers a colour has, and of which kind they are.
+  // How many numbers a colour has (as in the first row), and of which kind they are.
   void scan_vertices(TextReader& text) {
     if (!info_.has_colors) return;
     const std::size_t before = info_.has_normals ? 6 : 3;
     double largest = 0;
     for (std::uint64_t i = 0; i < info_.vertex_count && text.next_row(); ++i) {
+      std::array<std::string, 4> colors;
       std::size_t words = 0;
-      for (auto word = text.word(); !word.empty(); word = text.word(), ++words) {
-        if (words < before || words >= before + 4) continue;
-        largest = std::max(largest, parse_double(word).value_or(0));
-        colors_are_floats_ |= word.find_first_of(".eE") != std::string_view::npos;
+      for (auto word = text.word(); !word.empty(); word = text.word(), ++words)
+        if (words >= before && words < before + 4) colors[words - before] = word;
+      if (i == 0) color_size_ = color_size(words - std::min(words, before + (has_texture_ ? 2 : 0)));
+      for (int k = 0; k < color_size_; ++k) {
+        largest = std::max(largest, parse_double(colors[k]).value_or(0));
+        colors_are_floats_ |= colors[k].find_first_of(".eE") != std::string::npos;
       }
-      if (i > 0) continue;
-      const std::size_t size = words - std::min(words, before + (has_texture_ ? 2 : 0));
-      if (size < 3) {
-        info_.has_colors = false;
-        info_.skipped.push_back(fmt::format("vertex colours of {} numbers", size));
-        return;
-      }
-      color_size_ = size >= 4 ? 4 : 3;
     }
     colors_are_floats_ |= largest <= 1;
+    info_.has_colors = color_size_ > 0;
+  }
+
+  int color_size(std::size_t numbers) {
+    if (numbers >= 3) return numbers >= 4 ? 4 : 3;
+    info_.skipped.push_back(fmt::format("vertex colours of {} numbers", numbers));
+    return 0;
   }
 
   void next_row(TextReader& text, const char* element, std::uint64_t number, std::uint64_t count) const {
     if (!text.next_row())
-      fail(Status::kBadData, "{}: truncated: expected {} {} rows, found {}", info_.path.string(), count, element, number);
+      fail(Status::kBadData, "{}: truncated: expected {} {} rows, found {}", info_.path.string(), count,
+           element, number);
   }
 
   template <typename Parse>
@@ -143,8 +150,8 @@ class OffSource final : public Source {
     const std::string_view word = text.word();
     const auto value = parse(word);
     if (!value)
-      fail(Status::kBadData, "{}: {} {} (line {}): expected a number, found '{}'", info_.path.string(), element, number,
-           text.line(), word.empty() ? "the end of the line" : word);
+      fail(Status::kBadData, "{}: {} {} (line {}): expected a number, found '{}'", info_.path.string(),
+           element, number, text.line(), word.empty() ? "the end of the line" : word);
     return *value;
   }
 
@@ -152,11 +159,13 @@ class OffSource final : public Source {
     next_row(text, "vertex", i, info_.vertex_count);
     VertexValues values;
     for (double& value : values.position) value = take_number(text, "vertex", i, parse_double);
-    for (int k = 0; k < 3 && info_.has_normals; ++k) values.normal[k] = take_number(text, "vertex", i, parse_double);
+    for (int k = 0; k < 3 && info_.has_normals; ++k)
+      values.normal[k] = take_number(text, "vertex", i, parse_double);
     for (int k = 0; k < color_size_; ++k) {
       const double value = take_number(text, "vertex", i, parse_double);
       if (value != value)
-        fail(Status::kBadData, "{}: vertex {}: colour {} is nan; expected a number", info_.path.string(), i, k);
+        fail(Status::kBadData, "{}: vertex {}: colour {} is nan; expected a number", info_.path.string(), i,
+             k);
       values.color[k] = colors_are_floats_ ? color_from_unit(value) : color_from_byte(value);
     }
     return values;

@@ -23,8 +23,8 @@ class AsciiReader {
       index_list_ = is_face && element.count > 0 ? find_index_list(info_, element) : -1;
       for (row_ = 0; row_ < element.count; ++row_) {
         if (!text_.next_row())
-          fail(Status::kBadData, "{}: truncated: expected {} rows of element {}, found {}", info_.path.string(),
-               element.count, element.name, row_);
+          fail(Status::kBadData, "{}: truncated: expected {} rows of element {}, found {}",
+               info_.path.string(), element.count, element.name, row_);
         read_row(element, role);
         if (const auto extra = text_.word(); !extra.empty())
           fail(Status::kBadData, "{}: {} {}: expected the end of the line after {} properties, found '{}'",
@@ -34,8 +34,8 @@ class AsciiReader {
     vertices_.finish();
     faces_.finish();
     if (text_.next_row())
-      fail(Status::kBadData, "{}: expected the end of the file after the last element, found '{}'", info_.path.string(),
-           text_.word());
+      fail(Status::kBadData, "{}: expected the end of the file after the last element, found '{}'",
+           info_.path.string(), text_.word());
   }
 
  private:
@@ -108,6 +108,8 @@ class AsciiReader {
 
 }  // namespace
 
-void read_ply_ascii(const PlyFile& ply, const SourceInfo& info, BlockSink& sink) { AsciiReader(ply, info, sink).read(); }
+void read_ply_ascii(const PlyFile& ply, const SourceInfo& info, BlockSink& sink) {
+  AsciiReader(ply, info, sink).read();
+}
 
 }  // namespace colossus::input

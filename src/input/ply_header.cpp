@@ -16,11 +16,11 @@ constexpr std::size_t kMaxEntries = 1000;
 
 std::optional<PlyType> type_by_name(std::string_view name) {
   static constexpr std::pair<std::string_view, PlyType> kNames[] = {
-      {"char", PlyType::kInt8},      {"int8", PlyType::kInt8},      {"uchar", PlyType::kUint8},
-      {"uint8", PlyType::kUint8},    {"short", PlyType::kInt16},    {"int16", PlyType::kInt16},
-      {"ushort", PlyType::kUint16},  {"uint16", PlyType::kUint16},  {"int", PlyType::kInt32},
-      {"int32", PlyType::kInt32},    {"uint", PlyType::kUint32},    {"uint32", PlyType::kUint32},
-      {"int64", PlyType::kInt64},    {"uint64", PlyType::kUint64},  {"float", PlyType::kFloat32},
+      {"char", PlyType::kInt8},       {"int8", PlyType::kInt8},      {"uchar", PlyType::kUint8},
+      {"uint8", PlyType::kUint8},     {"short", PlyType::kInt16},    {"int16", PlyType::kInt16},
+      {"ushort", PlyType::kUint16},   {"uint16", PlyType::kUint16},  {"int", PlyType::kInt32},
+      {"int32", PlyType::kInt32},     {"uint", PlyType::kUint32},    {"uint32", PlyType::kUint32},
+      {"int64", PlyType::kInt64},     {"uint64", PlyType::kUint64},  {"float", PlyType::kFloat32},
       {"float32", PlyType::kFloat32}, {"double", PlyType::kFloat64}, {"float64", PlyType::kFloat64}};
   for (const auto& [known, type] : kNames)
     if (known == name) return type;
@@ -60,15 +60,16 @@ class Parser {
 
  private:
   [[noreturn]] void bad(std::string_view expected) const {
-    core::fail(core::Status::kBadData, "{}: header line {}: {}, found '{}'", file_.path().string(), line_number_,
-               expected, line_.substr(0, 200));
+    core::fail(core::Status::kBadData, "{}: header line {}: {}, found '{}'", file_.path().string(),
+               line_number_, expected, line_.substr(0, 200));
   }
 
   void next_line() {
     ++line_number_;
     const std::size_t end = text_.find(line_end_, at_);
     if (end == std::string_view::npos)
-      core::fail(core::Status::kBadData, "{}: header: expected end_header within {} bytes, found the end after line {}",
+      core::fail(core::Status::kBadData,
+                 "{}: header: expected end_header within {} bytes, found the end after line {}",
                  file_.path().string(), kMaxHeader, line_number_ - 1);
     line_ = text_.substr(at_, end - at_);
     if (line_.ends_with('\r')) line_.remove_suffix(1);
@@ -178,7 +179,8 @@ PlyHeader read_ply_header(const core::File& file) {
     std::string text(size, '\0');
     text.resize(file.read_some_at(0, std::as_writable_bytes(std::span(text))));
     const bool last = size == kMaxHeader || text.size() < size;
-    if (last || text.find("end_header\n") != std::string::npos || text.find("end_header\r\n") != std::string::npos)
+    if (last || text.find("end_header\n") != std::string::npos ||
+        text.find("end_header\r\n") != std::string::npos)
       return Parser(file, text).parse();
   }
   return {};

@@ -11,7 +11,18 @@
 namespace colossus::input {
 
 // The 64-bit integers are no part of the format, but some writers use them.
-enum class PlyType : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat32, kFloat64 };
+enum class PlyType : std::uint8_t {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kInt64,
+  kUint64,
+  kFloat32,
+  kFloat64
+};
 
 constexpr std::size_t ply_size(PlyType type) {
   constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
@@ -49,9 +60,9 @@ struct PlyHeader {
   const PlyElement* find(std::string_view element) const;
 };
 
-// Lines may end with \n, \r\n or \r (as the first one does). Throws core::Error(kBadData) that names the line for
-// anything else than format 1.0, elements and properties with distinct names, comment and obj_info, and for a header of
-// more than 1 MiB.
+// Lines may end with \n, \r\n or \r (as the first one does). Throws core::Error(kBadData) that names the line
+// for anything else than format 1.0, elements and properties with distinct names, comment and obj_info, and
+// for a header of more than 1 MiB.
 PlyHeader read_ply_header(const core::File& file);
 
 }  // namespace colossus::input

@@ -14,9 +14,10 @@ using core::Status;
 
 template <typename T, bool kSwap>
 T load(const std::byte* at) {
-  using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t,
-                                  std::conditional_t<sizeof(T) == 4, std::uint32_t,
-                                                     std::conditional_t<sizeof(T) == 2, std::uint16_t, std::uint8_t>>>;
+  using Bits =
+      std::conditional_t<sizeof(T) == 8, std::uint64_t,
+                         std::conditional_t<sizeof(T) == 4, std::uint32_t,
+                                            std::conditional_t<sizeof(T) == 2, std::uint16_t, std::uint8_t>>>;
   Bits bits;
   std::memcpy(&bits, at, sizeof(T));
   if constexpr (kSwap && sizeof(T) == 8) bits = __builtin_bswap64(bits);
@@ -29,16 +30,26 @@ T load(const std::byte* at) {
 template <bool kSwap, typename Function>
 auto dispatch_type(PlyType type, const Function& function) {
   switch (type) {
-    case PlyType::kInt8: return function.template operator()<std::int8_t, kSwap>();
-    case PlyType::kUint8: return function.template operator()<std::uint8_t, kSwap>();
-    case PlyType::kInt16: return function.template operator()<std::int16_t, kSwap>();
-    case PlyType::kUint16: return function.template operator()<std::uint16_t, kSwap>();
-    case PlyType::kInt32: return function.template operator()<std::int32_t, kSwap>();
-    case PlyType::kUint32: return function.template operator()<std::uint32_t, kSwap>();
-    case PlyType::kInt64: return function.template operator()<std::int64_t, kSwap>();
-    case PlyType::kUint64: return function.template operator()<std::uint64_t, kSwap>();
-    case PlyType::kFloat32: return function.template operator()<float, kSwap>();
-    default: return function.template operator()<double, kSwap>();
+    case PlyType::kInt8:
+      return function.template operator()<std::int8_t, kSwap>();
+    case PlyType::kUint8:
+      return function.template operator()<std::uint8_t, kSwap>();
+    case PlyType::kInt16:
+      return function.template operator()<std::int16_t, kSwap>();
+    case PlyType::kUint16:
+      return function.template operator()<std::uint16_t, kSwap>();
+    case PlyType::kInt32:
+      return function.template operator()<std::int32_t, kSwap>();
+    case PlyType::kUint32:
+      return function.template operator()<std::uint32_t, kSwap>();
+    case PlyType::kInt64:
+      return function.template operator()<std::int64_t, kSwap>();
+    case PlyType::kUint64:
+      return function.template operator()<std::uint64_t, kSwap>();
+    case PlyType::kFloat32:
+      return function.template operator()<float, kSwap>();
+    default:
+      return function.template operator()<double, kSwap>();
   }
 }
 
@@ -48,10 +59,11 @@ auto dispatch(PlyType type, bool swap, const Function& function) {
 }
 
 // Values of one property, every `stride` bytes, to every `step`-th of `out`.
-void convert_column(PlyType type, bool swap, const std::byte* rows, std::size_t stride, std::size_t count, double* out,
-                    std::size_t step) {
+void convert_column(PlyType type, bool swap, const std::byte* rows, std::size_t stride, std::size_t count,
+                    double* out, std::size_t step) {
   dispatch(type, swap, [&]<typename T, bool kSwap>() {
-    for (std::size_t i = 0; i < count; ++i) out[i * step] = static_cast<double>(load<T, kSwap>(rows + i * stride));
+    for (std::size_t i = 0; i < count; ++i)
+      out[i * step] = static_cast<double>(load<T, kSwap>(rows + i * stride));
   });
 }
 
@@ -79,7 +91,9 @@ class Columns {
       : layout_(layout), element_(element), swap_(swap), rows_(rows), count_(count) {}
   bool has(int slot) const { return layout_.property[slot] >= 0; }
   PlyType type(int slot) const { return element_.properties[layout_.property[slot]].type; }
-  const std::byte* begin(int slot) const { return rows_.data() + offset_of(element_, layout_.property[slot]); }
+  const std::byte* begin(int slot) const {
+    return rows_.data() + offset_of(element_, layout_.property[slot]);
+  }
   void convert(int slot, double* out, std::size_t step) const {
     convert_column(type(slot), swap_, begin(slot), element_.row_bytes, count_, out, step);
   }
@@ -142,7 +156,8 @@ int find_index_list(const SourceInfo& info, const PlyElement& element) {
   return property;
 }
 
-void set_slot(const SourceInfo& info, std::uint64_t vertex, int slot, PlyType type, double value, VertexValues& values) {
+void set_slot(const SourceInfo& info, std::uint64_t vertex, int slot, PlyType type, double value,
+              VertexValues& values) {
   if (slot < 0) return;
   if (slot < 3) {
     values.position[slot] = value;
@@ -154,7 +169,8 @@ void set_slot(const SourceInfo& info, std::uint64_t vertex, int slot, PlyType ty
 }
 
 double load_double(PlyType type, bool swap, const std::byte* at) {
-  return dispatch(type, swap, [&]<typename T, bool kSwap>() { return static_cast<double>(load<T, kSwap>(at)); });
+  return dispatch(type, swap,
+                  [&]<typename T, bool kSwap>() { return static_cast<double>(load<T, kSwap>(at)); });
 }
 
 std::int64_t load_int(PlyType type, bool swap, const std::byte* at) {
@@ -164,8 +180,9 @@ std::int64_t load_int(PlyType type, bool swap, const std::byte* at) {
   });
 }
 
-VertexBlock convert_vertex_rows(const SourceInfo& info, const VertexLayout& layout, const PlyElement& element, bool swap,
-                                std::span<const std::byte> rows, std::uint64_t first, std::size_t count) {
+VertexBlock convert_vertex_rows(const SourceInfo& info, const VertexLayout& layout, const PlyElement& element,
+                                bool swap, std::span<const std::byte> rows, std::uint64_t first,
+                                std::size_t count) {
   COLOSSUS_CHECK(!element.has_list && rows.size() == count * element.row_bytes);
   const Columns columns(layout, element, swap, rows, count);
   VertexBlock block;
@@ -230,8 +247,8 @@ bool are_all_triangles(const TriangleRows& layout, std::span<const std::byte> ro
   });
 }
 
-ConvertedTriangles convert_triangle_rows(const TriangleRows& layout, std::span<const std::byte> rows, std::size_t count,
-                                         std::uint64_t vertex_count) {
+ConvertedTriangles convert_triangle_rows(const TriangleRows& layout, std::span<const std::byte> rows,
+                                         std::size_t count, std::uint64_t vertex_count) {
   COLOSSUS_CHECK(rows.size() == count * layout.stride);
   ConvertedTriangles result;
   result.block.triangles.resize(count);

@@ -33,26 +33,30 @@ struct VertexLayout {
 // Throws Error(kBadData) when x, y or z is missing or a list.
 VertexLayout make_vertex_layout(const SourceInfo& info, const PlyElement& element);
 
-// The index list of a face or tristrips element (vertex_indices, vertex_index). Throws Error(kBadData) without one.
+// The index list of a face or tristrips element (vertex_indices, vertex_index). Throws Error(kBadData)
+// without one.
 int find_index_list(const SourceInfo& info, const PlyElement& element);
 
 // Stores a property's value, a colour converted by its type. Throws Error(kBadData) for a colour that is NaN.
-void set_slot(const SourceInfo& info, std::uint64_t vertex, int slot, PlyType type, double value, VertexValues& values);
+void set_slot(const SourceInfo& info, std::uint64_t vertex, int slot, PlyType type, double value,
+              VertexValues& values);
 
-// One value of a binary file; `swap` where its byte order is not ours. load_int is for integer types; values above the
-// range of 64 signed bits become negative.
+// One value of a binary file; `swap` where its byte order is not ours. load_int is for integer types; values
+// above the range of 64 signed bits become negative.
 double load_double(PlyType type, bool swap, const std::byte* at);
 std::int64_t load_int(PlyType type, bool swap, const std::byte* at);
 
-// `count` vertices from rows without lists. Throws Error(kBadData) for coordinates that are not finite. Cost: some
-// nanoseconds per vertex.
-VertexBlock convert_vertex_rows(const SourceInfo& info, const VertexLayout& layout, const PlyElement& element, bool swap,
-                                std::span<const std::byte> rows, std::uint64_t first, std::size_t count);
+// `count` vertices from rows without lists. Throws Error(kBadData) for coordinates that are not finite. Cost:
+// some nanoseconds per vertex.
+VertexBlock convert_vertex_rows(const SourceInfo& info, const VertexLayout& layout, const PlyElement& element,
+                                bool swap, std::span<const std::byte> rows, std::uint64_t first,
+                                std::size_t count);
 
-// Rows of a face element whose only list is the index list, under the assumption that all lists have three items.
+// Rows of a face element whose only list is the index list, under the assumption that all lists have three
+// items.
 struct TriangleRows {
-  std::size_t stride = 0;        // of a row
-  std::size_t list_offset = 0;   // of the list's count in a row
+  std::size_t stride = 0;       // of a row
+  std::size_t list_offset = 0;  // of the list's count in a row
   PlyType count_type = PlyType::kUint8;
   PlyType index_type = PlyType::kInt32;
   bool swap = false;
@@ -64,14 +68,14 @@ std::optional<TriangleRows> make_triangle_rows(const PlyElement& element, int in
 // Whether all lists have three items.
 bool are_all_triangles(const TriangleRows& layout, std::span<const std::byte> rows, std::size_t count);
 
-// The triangles of rows that are all triangles, unchecked; and the first row with an index below 0 or of at least
-// vertex_count, or `count`. Cost: about a nanosecond per triangle.
+// The triangles of rows that are all triangles, unchecked; and the first row with an index below 0 or of at
+// least vertex_count, or `count`. Cost: about a nanosecond per triangle.
 struct ConvertedTriangles {
   TriangleBlock block;
   std::size_t first_bad = 0;
   std::int64_t bad_index = 0;
 };
-ConvertedTriangles convert_triangle_rows(const TriangleRows& layout, std::span<const std::byte> rows, std::size_t count,
-                                         std::uint64_t vertex_count);
+ConvertedTriangles convert_triangle_rows(const TriangleRows& layout, std::span<const std::byte> rows,
+                                         std::size_t count, std::uint64_t vertex_count);
 
 }  // namespace colossus::input

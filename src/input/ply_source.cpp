@@ -1,9 +1,9 @@
 // PLY files: what open_source() decides, and the parts.
 //
-// A binary file is of fixed stride when all its rows are of known size, under the assumption that every face is a
-// triangle, and these sizes add up to the file's. Then vertices and faces are parts that can be read in any order; the
-// assumption is checked again by every part. Otherwise the vertices before the first row of unknown size are still parts,
-// and the rest is one sequential part. ASCII files are one part.
+// A binary file is of fixed stride when all its rows are of known size, under the assumption that every face
+// is a triangle, and these sizes add up to the file's. Then vertices and faces are parts that can be read in
+// any order; the assumption is checked again by every part. Otherwise the vertices before the first row of
+// unknown size are still parts, and the rest is one sequential part. ASCII files are one part.
 #include "input/ply_source.hpp"
 
 #include <algorithm>
@@ -47,7 +47,8 @@ void list_unused(const PlyFile& ply, SourceInfo& info) {
   for (const PlyElement& element : ply.header.elements) {
     const PlyRole role = role_of(element);
     if (role == PlyRole::kOther) {
-      (element.name.starts_with("multi_texture") ? info.textures : info.skipped).push_back("element " + element.name);
+      (element.name.starts_with("multi_texture") ? info.textures : info.skipped)
+          .push_back("element " + element.name);
       continue;
     }
     for (std::size_t i = 0; i < element.properties.size(); ++i) {
@@ -63,7 +64,8 @@ void list_unused(const PlyFile& ply, SourceInfo& info) {
   }
 }
 
-// Counts that the file is too short for, however its lists turn out; so that no later arithmetic can overflow.
+// Counts that the file is too short for, however its lists turn out; so that no later arithmetic can
+// overflow.
 void check_declared_counts(const PlyFile& ply, const SourceInfo& info) {
   const bool is_ascii = ply.header.format == PlyFormat::kAscii;
   // A word of text takes a character and a separator; the last one needs none.
@@ -73,7 +75,8 @@ void check_declared_counts(const PlyFile& ply, const SourceInfo& info) {
     if (row == 0) continue;
     if (element.count > left / row)
       fail(Status::kBadData,
-           "{}: truncated, or the header lies: expected {} rows of element {} of at least {} bytes each, found {} bytes",
+           "{}: truncated, or the header lies: expected {} rows of element {} of at least {} bytes each, "
+           "found {} bytes",
            info.path.string(), element.count, element.name, row, left);
     left -= element.count * row;
   }
@@ -90,7 +93,8 @@ class PlySource final : public Source {
     static constexpr const char* kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
     info_.format = fmt::format("PLY {}", kFormats[static_cast<int>(ply_.header.format)]);
     const PlyElement* vertex = ply_.header.find("vertex");
-    if (vertex == nullptr) fail(Status::kBadData, "{}: header: expected an element vertex, found none", path());
+    if (vertex == nullptr)
+      fail(Status::kBadData, "{}: header: expected an element vertex, found none", path());
     ply_.vertex_layout = make_vertex_layout(info_, *vertex);
     ply_.vertex_count = vertex->count;
     ply_.swap = ply_.header.format == PlyFormat::kBigEndian;
@@ -129,7 +133,8 @@ class PlySource final : public Source {
       case PartKind::kVertices: {
         check_part(has_vertex_parts_, part, ply_.vertex_count);
         const PlyElement& element = *ply_.header.find("vertex");
-        sink.vertices(part.first, read_vertex_rows(ply_, info_, element, vertex_offset_, part.first, part.count));
+        sink.vertices(part.first,
+                      read_vertex_rows(ply_, info_, element, vertex_offset_, part.first, part.count));
         return true;
       }
       case PartKind::kFaces:
@@ -164,13 +169,15 @@ class PlySource final : public Source {
 
   // A part that this file never gave out is a bug of the caller.
   static void check_part(bool is_known, const Part& part, std::uint64_t count) {
-    COLOSSUS_CHECK(is_known && part.count <= kBlockElements && part.first <= count && part.count <= count - part.first,
-                   "part {} + {}", part.first, part.count);
+    COLOSSUS_CHECK(
+        is_known && part.count <= kBlockElements && part.first <= count && part.count <= count - part.first,
+        "part {} + {}", part.first, part.count);
   }
 
   std::string path() const { return info_.path.string(); }
 
-  // Finds out which offsets are known. check_declared_counts() has made sure that rows without lists lie in the file.
+  // Finds out which offsets are known. check_declared_counts() has made sure that rows without lists lie in
+  // the file.
   void plan_binary() {
     const auto& elements = ply_.header.elements;
     std::uint64_t offset = ply_.header.bytes;
@@ -185,7 +192,8 @@ class PlySource final : public Source {
     if (role_of(elements[i]) == PlyRole::kFace) plan_triangles(elements[i]);
   }
 
-  // Whether the first list of the file is that of the faces, and three items in every face make the file's size.
+  // Whether the first list of the file is that of the faces, and three items in every face make the file's
+  // size.
   void plan_triangles(const PlyElement& face) {
     triangle_rows_ = make_triangle_rows(face, find_index_list(info_, face), ply_.swap);
     if (!triangle_rows_ || face.count > (ply_.bytes - walk_offset_) / triangle_rows_->stride) return;
@@ -199,7 +207,8 @@ class PlySource final : public Source {
       if (element.row_bytes > 0 && element.count > left / element.row_bytes) return;
       offset += element.count * element.row_bytes;
     }
-    // Vertices behind the faces are where we think even if the faces are not all triangles, but only if the size is exact.
+    // Vertices behind the faces are where we think even if the faces are not all triangles, but only if the
+    // size is exact.
     if (vertex_offset > 0 ? offset != ply_.bytes : !is_padding(ply_, offset)) return;
     if (vertex_offset > 0) set_vertex_offset(vertex_offset);
     has_face_parts_ = true;
@@ -219,7 +228,8 @@ class PlySource final : public Source {
   bool read_triangles(const Part& part, BlockSink& sink) const {
     const std::vector<std::byte> rows = read_rows(part.first, part.count);
     if (!are_all_triangles(*triangle_rows_, rows, part.count)) return false;
-    ConvertedTriangles converted = convert_triangle_rows(*triangle_rows_, rows, part.count, ply_.vertex_count);
+    ConvertedTriangles converted =
+        convert_triangle_rows(*triangle_rows_, rows, part.count, ply_.vertex_count);
     if (converted.first_bad < part.count) {
       // If a face before this part is no triangle, these rows are not where we think, and this index is none.
       for (std::uint64_t first = 0; first < part.first; first += kBlockElements) {
@@ -243,17 +253,17 @@ class PlySource final : public Source {
 
 }  // namespace
 
-void fail_truncated(const SourceInfo& info, const PlyElement& element, std::uint64_t row, std::uint64_t offset,
-                    std::uint64_t expected, std::uint64_t found) {
-  fail(Status::kBadData, "{}: truncated in {} {} of {}: expected {} bytes at byte {}, found {}", info.path.string(),
-       element.name, row, element.count, expected, offset, found);
+void fail_truncated(const SourceInfo& info, const PlyElement& element, std::uint64_t row,
+                    std::uint64_t offset, std::uint64_t expected, std::uint64_t found) {
+  fail(Status::kBadData, "{}: truncated in {} {} of {}: expected {} bytes at byte {}, found {}",
+       info.path.string(), element.name, row, element.count, expected, offset, found);
 }
 
-void check_list_count(const SourceInfo& info, const PlyElement& element, std::uint64_t row, const PlyProperty& list,
-                      std::int64_t count) {
+void check_list_count(const SourceInfo& info, const PlyElement& element, std::uint64_t row,
+                      const PlyProperty& list, std::int64_t count) {
   if (count < 0)
-    fail(Status::kBadData, "{}: {} {}: list {} has count {}; expected at least 0", info.path.string(), element.name, row,
-         list.name, count);
+    fail(Status::kBadData, "{}: {} {}: list {} has count {}; expected at least 0", info.path.string(),
+         element.name, row, list.name, count);
 }
 
 void check_file_end(const PlyFile& ply, const SourceInfo& info, std::uint64_t offset) {

@@ -48,8 +48,8 @@ class Walker {
     if (static_cast<std::uint64_t>(count) > window_.remaining() / ply_size(list.type))
       core::fail(core::Status::kBadData,
                  "{}: truncated in {} {} at byte {}: list {} has {} items of {} bytes; found {} bytes",
-                 info_.path.string(), element.name, row, window_.offset(), list.name, count, ply_size(list.type),
-                 window_.remaining());
+                 info_.path.string(), element.name, row, window_.offset(), list.name, count,
+                 ply_size(list.type), window_.remaining());
     return static_cast<std::uint64_t>(count);
   }
 
@@ -144,8 +144,8 @@ void walk_ply_binary(const PlyFile& ply, const SourceInfo& info, std::size_t ele
   Walker(ply, info, offset, sink).walk(element, with_vertices);
 }
 
-VertexBlock read_vertex_rows(const PlyFile& ply, const SourceInfo& info, const PlyElement& element, std::uint64_t offset,
-                             std::uint64_t first, std::size_t count) {
+VertexBlock read_vertex_rows(const PlyFile& ply, const SourceInfo& info, const PlyElement& element,
+                             std::uint64_t offset, std::uint64_t first, std::size_t count) {
   std::vector<std::byte> rows(count * element.row_bytes);
   ply.file.read_at(offset + first * element.row_bytes, rows);
   return convert_vertex_rows(info, ply.vertex_layout, element, ply.swap, rows, first, count);

@@ -1,9 +1,9 @@
 #include "input/source.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <utility>
-
-#include <fmt/ranges.h>
 
 #include "core/error.hpp"
 #include "core/file.hpp"
@@ -63,7 +63,8 @@ Source::~Source() = default;
 void refuse_textures(const SourceInfo& info, const SourceOptions& options) {
   if (info.textures.empty() || options.drop_textures) return;
   fail(Status::kBadData,
-       "{}: has texture coordinates or materials ({}), which cannot be kept; transfer them to vertex colours, or drop them "
+       "{}: has texture coordinates or materials ({}), which cannot be kept; transfer them to vertex "
+       "colours, or drop them "
        "with --drop-textures",
        info.path.string(), fmt::join(info.textures, ", "));
 }
@@ -73,9 +74,11 @@ std::unique_ptr<Source> open_source(const std::filesystem::path& path, const Sou
   std::array<std::byte, 5> bytes{};
   const std::size_t size = file.read_some_at(0, bytes);
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()), size);
-  if (start.empty()) fail(Status::kBadData, "{}: is empty; expected a PLY, OBJ, STL or OFF file", path.string());
+  if (start.empty())
+    fail(Status::kBadData, "{}: is empty; expected a PLY, OBJ, STL or OFF file", path.string());
   if (start.starts_with("\x1f\x8b"))
-    fail(Status::kBadData, "{}: is compressed by gzip; expected a PLY, OBJ, STL or OFF file: unpack it", path.string());
+    fail(Status::kBadData, "{}: is compressed by gzip; expected a PLY, OBJ, STL or OFF file: unpack it",
+         path.string());
   const std::string extension = lower_extension(path);
   const bool is_ply = start.starts_with("ply") && start.size() > 3 && trim(start.substr(3, 1)).empty();
   if (is_ply || extension == ".ply") return open_ply(std::move(file), options);
@@ -84,8 +87,7 @@ std::unique_ptr<Source> open_source(const std::filesystem::path& path, const Sou
   if (extension == ".off" || extension == ".coff" || extension == ".noff" || extension == ".cnoff")
     return open_off(std::move(file), options);
   if (start == "solid") return open_stl(std::move(file));
-  const std::string word(
-      TextReader(file, 0, {.comments = true, .continuations = false}).word_of_any_line());
+  const std::string word(TextReader(file, 0, {.comments = true, .continuations = false}).word_of_any_line());
   if (starts_with_off(word)) return open_off(std::move(file), options);
   if (starts_with_obj(word)) return open_obj(std::move(file), options);
   fail(Status::kBadData, "{}: unknown format; expected a PLY, OBJ, STL or OFF file", path.string());

@@ -1,21 +1,28 @@
-// Inputs as streams of blocks: PLY, OBJ, STL and OFF, read in parts by any rank without ever holding a whole file.
+// Inputs as streams of blocks: PLY, OBJ, STL and OFF, read in parts by any rank without ever holding a whole
+// file.
 //
-// A Source is opened on every rank that reads of it (opening is deterministic, so all ranks see the same parts); the
-// parts of a file are its work units. Their number and size depend on the file alone, never on the number of ranks.
-// Reading all parts in order delivers every vertex and every face once, faces in the file's order.
+// A Source is opened on every rank that reads of it (opening is deterministic, so all ranks see the same
+// parts); the parts of a file are its work units. Their number and size depend on the file alone, never on
+// the number of ranks. Reading all parts in order delivers every vertex and every face once, faces in the
+// file's order.
 //
 // Conventions of all formats
 // - Vertices and faces count from 0 in blocks and in messages (text formats also name the line, from 1).
 // - Positions are doubles: text is rounded to the nearest double even where a header says float.
-// - A polygon becomes the fan from its first corner, (0,1,2), (0,2,3), ...; a face with fewer than three corners is
+// - A polygon becomes the fan from its first corner, (0,1,2), (0,2,3), ...; a face with fewer than three
+// corners is
 //   skipped and counted in OddFaces. Degenerate and duplicate triangles are delivered.
-// - Colours are RGBA bytes: floats are scaled by 255, rounded and clamped; 16-bit unsigned colours are scaled by 1/257;
+// - Colours are RGBA bytes: floats are scaled by 255, rounded and clamped; 16-bit unsigned colours are scaled
+// by 1/257;
 //   other integers are clamped; a missing alpha is 255; a colour that is not a number is bad data.
-// - A normal that is not finite is delivered as (0, 0, 0), which means "not known": scanners write such normals at
+// - A normal that is not finite is delivered as (0, 0, 0), which means "not known": scanners write such
+// normals at
 //   isolated vertices, and they can be computed. Normals are delivered as stored, not scaled to unit length.
-// - Bad data (an index out of range, a coordinate that is not finite, a truncated file, counts that lie, more than 64
-//   bytes of white space or anything else behind the last element of a binary file or the last row of an ASCII one, more than 2^32 - 1 vertices) throws core::Error(kBadData) with the file, the
-//   element and its number, what was expected and what was found. Blocks delivered before are then void.
+// - Bad data (an index out of range, a coordinate that is not finite, a truncated file, counts that lie, more
+// than 64
+//   bytes of white space or anything else behind the last element of a binary file or the last row of an
+//   ASCII one, more than 2^32 - 1 vertices) throws core::Error(kBadData) with the file, the element and its
+//   number, what was expected and what was found. Blocks delivered before are then void.
 #pragma once
 
 #include <array>
@@ -48,8 +55,8 @@ struct OddFaces {
   std::uint64_t small = 0;     // fewer than three corners (also of a strip's pieces): skipped
 };
 
-// Receives what a part holds. In a part with both, vertices and triangles may alternate, and triangles may come before
-// the vertices that they name.
+// Receives what a part holds. In a part with both, vertices and triangles may alternate, and triangles may
+// come before the vertices that they name.
 class BlockSink {
  public:
   virtual ~BlockSink();
@@ -82,7 +89,8 @@ struct SourceInfo {
   std::string format;  // for people, e.g. "PLY binary_little_endian"
   bool has_normals = false;
   bool has_colors = false;
-  std::vector<std::string> skipped;   // what is in the file and not read, by name, e.g. "vertex.quality", "element edge"
+  std::vector<std::string>
+      skipped;  // what is in the file and not read, by name, e.g. "vertex.quality", "element edge"
   std::vector<std::string> textures;  // texture coordinates and material files that --drop-textures drops
   std::uint64_t vertex_count = 0;     // as declared or counted; 0 where only reading tells (ASCII STL)
   std::uint64_t face_count = 0;       // likewise; faces (strips) of the file, not triangles
@@ -105,9 +113,10 @@ class Source {
   // All parts, in the order of the file's vertices and of its faces.
   virtual std::vector<Part> parts() const = 0;
 
-  // Delivers a part: in blocks of at most kBlockElements, all vertex blocks of the part in ascending order. Memory: a few
-  // megabytes. Returns false only for a kFaces part in which, or before which, a face is not a triangle; nothing of the
-  // part has been delivered then. The caller must drop all triangles of this file and read sequential_face_parts().
+  // Delivers a part: in blocks of at most kBlockElements, all vertex blocks of the part in ascending order.
+  // Memory: a few megabytes. Returns false only for a kFaces part in which, or before which, a face is not a
+  // triangle; nothing of the part has been delivered then. The caller must drop all triangles of this file
+  // and read sequential_face_parts().
   virtual bool read(const Part& part, BlockSink& sink) const = 0;
 
   // What replaces all kFaces parts after read() returned false; empty for sources without kFaces parts.
@@ -118,15 +127,17 @@ class Source {
   SourceInfo info_;
 };
 
-// Opens a PLY, OBJ, STL or OFF file; the content decides, then the extension. Reads the header only, except for OBJ
-// (one pass over the file, and 16 bytes of memory per vertex if it has usable normals) and OFF with colours (one pass
-// over the vertices). Throws core::Error(kBadData) for a missing or unknown file, a malformed header, a size that
-// contradicts it, a file without vertices, or textures without options.drop_textures.
+// Opens a PLY, OBJ, STL or OFF file; the content decides, then the extension. Reads the header only, except
+// for OBJ (one pass over the file, and 16 bytes of memory per vertex if it has usable normals) and OFF with
+// colours (one pass over the vertices). Throws core::Error(kBadData) for a missing or unknown file, a
+// malformed header, a size that contradicts it, a file without vertices, or textures without
+// options.drop_textures.
 std::unique_ptr<Source> open_source(const std::filesystem::path& path, const SourceOptions& options = {});
 
-// The input files of a command line, in order. `@list.txt` stands for the paths in list.txt: one per line, relative to
-// the list's folder; blank lines and lines that start with # are ignored; a list names no other lists.
-// Throws core::Error(kBadData) for a list that cannot be read or names no file. Does not look at the files themselves.
+// The input files of a command line, in order. `@list.txt` stands for the paths in list.txt: one per line,
+// relative to the list's folder; blank lines and lines that start with # are ignored; a list names no other
+// lists. Throws core::Error(kBadData) for a list that cannot be read or names no file. Does not look at the
+// files themselves.
 std::vector<std::filesystem::path> expand_inputs(std::span<const std::string> arguments);
 
 }  // namespace colossus::input

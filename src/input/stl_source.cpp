@@ -1,9 +1,10 @@
-// STL files, ASCII and binary, with three vertices of its own per triangle: what is equal is welded later, by position.
-// Facet normals are not read; they follow from the corners.
+// STL files, ASCII and binary, with three vertices of its own per triangle: what is equal is welded later, by
+// position. Facet normals are not read; they follow from the corners.
 //
-// OpenMesh's reader is not used, for any format: version 9 hands positions to a BaseImporter as floats (500000.001
-// arrives as 500000), passes face indices on unchecked, reports success for truncated files and for lines that are no
-// numbers, silently drops vertices that are not finite, and, in STL, degenerate triangles; it reads a file as a whole.
+// OpenMesh's reader is not used, for any format: version 9 hands positions to a BaseImporter as floats
+// (500000.001 arrives as 500000), passes face indices on unchecked, reports success for truncated files and
+// for lines that are no numbers, silently drops vertices that are not finite, and, in STL, degenerate
+// triangles; it reads a file as a whole.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -43,10 +44,11 @@ class BinaryStl final : public Source {
     const std::uint64_t count = binary_count(file_);
     const std::uint64_t expected = kHeaderBytes + count * kRowBytes;
     if (info_.bytes < kHeaderBytes)
-      fail(Status::kBadData, "{}: truncated: expected an STL header of {} bytes, found {}", info_.path.string(),
-           kHeaderBytes, info_.bytes);
+      fail(Status::kBadData, "{}: truncated: expected an STL header of {} bytes, found {}",
+           info_.path.string(), kHeaderBytes, info_.bytes);
     if (info_.bytes < expected)
-      fail(Status::kBadData, "{}: truncated in triangle {}: the header says {} triangles; expected {} bytes, found {}",
+      fail(Status::kBadData,
+           "{}: truncated in triangle {}: the header says {} triangles; expected {} bytes, found {}",
            info_.path.string(), (info_.bytes - kHeaderBytes) / kRowBytes, count, expected, info_.bytes);
     if (info_.bytes > expected)
       fail(Status::kBadData, "{}: the header lies: it says {} triangles; expected {} bytes, found {}",
@@ -64,8 +66,8 @@ class BinaryStl final : public Source {
   }
 
   bool read(const Part& part, BlockSink& sink) const override {
-    COLOSSUS_CHECK(part.kind == PartKind::kSoup && part.count <= kPartTriangles && part.first <= info_.face_count &&
-                   part.count <= info_.face_count - part.first);
+    COLOSSUS_CHECK(part.kind == PartKind::kSoup && part.count <= kPartTriangles &&
+                   part.first <= info_.face_count && part.count <= info_.face_count - part.first);
     std::vector<std::byte> rows(part.count * kRowBytes);
     file_.read_at(kHeaderBytes + part.first * kRowBytes, rows);
     VertexBlock vertices;
@@ -79,7 +81,8 @@ class BinaryStl final : public Source {
         for (int axis = 0; axis < 3; ++axis) {
           const float value = corners[k][axis];
           if (!(std::abs(value) <= std::numeric_limits<float>::max()))
-            fail(Status::kBadData, "{}: triangle {}: coordinate {} of corner {} is {}; expected a finite number",
+            fail(Status::kBadData,
+                 "{}: triangle {}: coordinate {} of corner {} is {}; expected a finite number",
                  info_.path.string(), part.first + i, "xyz"[axis], k, value);
           vertices.positions[3 * i + k][axis] = value;
         }
@@ -95,8 +98,8 @@ class BinaryStl final : public Source {
   core::File file_;
 };
 
-// solid NAME / facet normal X Y Z / outer loop / vertex X Y Z ... / endloop / endfacet / endsolid NAME, any number of
-// times, in any case. Line ends matter only after solid and endsolid.
+// solid NAME / facet normal X Y Z / outer loop / vertex X Y Z ... / endloop / endfacet / endsolid NAME, any
+// number of times, in any case. Line ends matter only after solid and endsolid.
 class AsciiStl final : public Source {
  public:
   explicit AsciiStl(core::File file) : file_(std::move(file)) {

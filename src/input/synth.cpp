@@ -18,8 +18,9 @@
 namespace colossus::input {
 namespace {
 
-// Each octave of relief is this part of its wavelength deep: a slope that stays clear of overhangs, like worked stone.
-constexpr double kReliefDepth = 0.08;
+// Each octave of relief is this part of its wavelength deep: a slope that stays clear of overhangs, like
+// worked stone.
+constexpr double kReliefDepth = 0.11;
 // The finest relief has a wavelength of 4 to 8 edges.
 constexpr double kFinestWavelengthInEdges = 4;
 // The scanner's noise is within this part of an edge, along the normal.
@@ -38,7 +39,8 @@ class Sculptor {
   void sculpt(std::span<const std::uint32_t> vertices, Vertices& result) const;
 
  private:
-  void measure_heights(const PointBatch& local, std::size_t count, const Lane& roughness, Lane& relief, Lane& height) const;
+  void measure_heights(const PointBatch& local, std::size_t count, const Lane& roughness, Lane& relief,
+                       Lane& height) const;
   void tilt_normals(std::size_t count, Vertices& batch) const;
   void paint(std::span<const std::uint32_t> vertices, Vertices& batch) const;
 
@@ -57,21 +59,24 @@ Sculptor::Sculptor(const SynthSurface& surface, const SynthOptions& options)
       edge_(static_cast<float>(surface.mean_edge())) {
   const double edge = surface.mean_edge(), extent = surface.extent();
   std::uint32_t index = 0;
-  for (double wavelength = surface.relief_wavelength(); wavelength >= kFinestWavelengthInEdges * edge; wavelength /= 2)
+  for (double wavelength = surface.relief_wavelength(); wavelength >= kFinestWavelengthInEdges * edge;
+       wavelength /= 2)
     relief_.push_back(make_octave(options.seed, index++, wavelength, kReliefDepth * wavelength));
-  low_ = {make_octave(options.seed, 100, 0.20 * extent, 1.6), make_octave(options.seed, 101, 0.07 * extent, 0.9)};
+  low_ = {make_octave(options.seed, 100, 0.20 * extent, 1.6),
+          make_octave(options.seed, 101, 0.07 * extent, 0.9)};
   middle_ = {make_octave(options.seed, 102, 0.02 * extent, 1.0)};
   fine_ = {make_octave(options.seed, 103, 12 * edge, 1.0), make_octave(options.seed, 104, 4 * edge, 0.8)};
 }
 
 void clear(Lane& lane, std::size_t count) { std::fill_n(lane.v.begin(), count, 0.0F); }
 
-void add_octaves(const std::vector<NoiseOctave>& octaves, const PointBatch& points, std::size_t count, Lane& sum) {
+void add_octaves(const std::vector<NoiseOctave>& octaves, const PointBatch& points, std::size_t count,
+                 Lane& sum) {
   for (const NoiseOctave& octave : octaves) add_noise(octave, points, count, sum);
 }
 
-void Sculptor::measure_heights(const PointBatch& local, std::size_t count, const Lane& roughness, Lane& relief,
-                               Lane& height) const {
+void Sculptor::measure_heights(const PointBatch& local, std::size_t count, const Lane& roughness,
+                               Lane& relief, Lane& height) const {
   clear(relief, count);
   add_octaves(relief_, local, count, relief);
   clear(height, count);
@@ -100,8 +105,8 @@ void Sculptor::sculpt(std::span<const std::uint32_t> vertices, Vertices& result)
   if (normals_) tilt_normals(count, result);
 }
 
-// Tilts the smooth surface's normals by the slope of the heights, measured over half an edge in two directions. The
-// roughness varies too slowly to matter.
+// Tilts the smooth surface's normals by the slope of the heights, measured over half an edge in two
+// directions. The roughness varies too slowly to matter.
 void Sculptor::tilt_normals(std::size_t count, Vertices& batch) const {
   PointBatch& normal = batch.base.normal;
   const PointBatch& local = batch.base.local;
@@ -148,8 +153,8 @@ void Sculptor::tilt_normals(std::size_t count, Vertices& batch) const {
   }
 }
 
-// Weathered limestone: two stones in large patches, blotches, dirt in the hollows, grain, and a little noise of the
-// camera's. A base mesh's own colours get grain and noise only.
+// Weathered limestone: two stones in large patches, blotches, dirt in the hollows, grain, and a little noise
+// of the camera's. A base mesh's own colours get grain and noise only.
 void Sculptor::paint(std::span<const std::uint32_t> vertices, Vertices& batch) const {
   const std::size_t count = vertices.size();
   clear(batch.middle, count);
@@ -192,7 +197,7 @@ class Writer {
   void work();
   void write_vertices(std::uint64_t first, std::uint64_t count);
   void write_faces(std::uint64_t first, std::uint64_t count);
-  std::byte* put_vertices(std::size_t count, const SurfaceBatch& batch, std::byte* to) const;
+  void put_vertex(std::size_t i, const SurfaceBatch& batch, std::byte* to) const;
 
   const SynthSurface& surface_;
   const SynthOptions& options_;
@@ -230,10 +235,12 @@ std::string Writer::header() const {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   text += fmt::format("comment colossus synth, seed {}\n", options_.seed);
   text += fmt::format("element vertex {}\n", surface_.vertex_count());
-  for (const char axis : {'x', 'y', 'z'}) text += fmt::format("property {} {}\n", doubles_ ? "double" : "float", axis);
+  for (const char axis : {'x', 'y', 'z'})
+    text += fmt::format("property {} {}\n", doubles_ ? "double" : "float", axis);
   if (options_.normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
   if (options_.colors) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  text += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", surface_.triangle_count());
+  text += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+                      surface_.triangle_count());
   return text;
 }
 
@@ -261,8 +268,10 @@ void Writer::work() {
       const std::uint64_t first = (is_vertices ? block : block - vertex_blocks_) * kElementsPerWrite;
       const std::uint64_t end = is_vertices ? surface_.vertex_count() : surface_.triangle_count();
       const std::uint64_t count = std::min(kElementsPerWrite, end - first);
-      if (is_vertices) write_vertices(first, count);
-      else write_faces(first, count);
+      if (is_vertices)
+        write_vertices(first, count);
+      else
+        write_faces(first, count);
     }
   } catch (...) {
     next_block_ = vertex_blocks_ + face_blocks_;
@@ -277,30 +286,35 @@ std::byte* put(T value, std::byte* to) {
   return to + sizeof(T);
 }
 
-std::byte* Writer::put_vertices(std::size_t count, const SurfaceBatch& batch, std::byte* to) const {
-  for (std::size_t i = 0; i < count; ++i) {
-    for (const auto& axis : batch.position) to = doubles_ ? put(axis[i], to) : put(static_cast<float>(axis[i]), to);
-    if (options_.normals) to = put(batch.normal.z[i], put(batch.normal.y[i], put(batch.normal.x[i], to)));
-    if (!options_.colors) continue;
-    for (const Lane* lane : {&batch.color.x, &batch.color.y, &batch.color.z})
-      to = put(static_cast<std::uint8_t>(static_cast<int>((*lane)[i] + 0.5F)), to);
-  }
-  return to;
+void Writer::put_vertex(std::size_t i, const SurfaceBatch& batch, std::byte* to) const {
+  for (const auto& axis : batch.position)
+    to = doubles_ ? put(axis[i], to) : put(static_cast<float>(axis[i]), to);
+  if (options_.normals) to = put(batch.normal.z[i], put(batch.normal.y[i], put(batch.normal.x[i], to)));
+  if (!options_.colors) return;
+  for (const Lane* lane : {&batch.color.x, &batch.color.y, &batch.color.z})
+    to = put(static_cast<std::uint8_t>(static_cast<int>((*lane)[i] + 0.5F)), to);
 }
 
 void Writer::write_vertices(std::uint64_t first, std::uint64_t count) {
+  struct Slot {
+    std::uint32_t number, place;  // which vertex, and where in this block
+  };
+  std::vector<Slot> slots(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint64_t number = options_.shuffle ? vertex_order_.forward(first + i) : first + i;
+    slots[i] = {static_cast<std::uint32_t>(number), i};
+  }
+  // Batches of near vertices can skip what is carved elsewhere.
+  if (options_.shuffle) std::ranges::sort(slots, {}, &Slot::number);
   core::Bytes bytes(count * vertex_bytes_);
   const auto vertices = std::make_unique<Sculptor::Vertices>();
-  std::array<std::uint32_t, kSynthBatch> numbers;
-  std::byte* to = bytes.data();
+  std::array<std::uint32_t, kSynthBatch> numbers{};
   for (std::uint64_t done = 0; done < count; done += kSynthBatch) {
     const std::size_t size = std::min<std::uint64_t>(kSynthBatch, count - done);
-    for (std::size_t i = 0; i < size; ++i) {
-      const std::uint64_t number = first + done + i;
-      numbers[i] = static_cast<std::uint32_t>(options_.shuffle ? vertex_order_.forward(number) : number);
-    }
+    for (std::size_t i = 0; i < size; ++i) numbers[i] = slots[done + i].number;
     sculptor_.sculpt(std::span(numbers).first(size), *vertices);
-    to = put_vertices(size, vertices->base, to);
+    for (std::size_t i = 0; i < size; ++i)
+      put_vertex(i, vertices->base, bytes.data() + slots[done + i].place * vertex_bytes_);
   }
   file_.write_at(vertices_offset_ + first * vertex_bytes_, bytes);
 }
@@ -348,8 +362,8 @@ SynthReport write_statue(const SynthSurface& surface, const SynthOptions& option
   std::error_code error;
   std::filesystem::rename(part, options.output, error);
   if (error)
-    core::fail(core::Status::kCannotCreate, "cannot rename {} to {}: {}", part.string(), options.output.string(),
-               error.message());
+    core::fail(core::Status::kCannotCreate, "cannot rename {} to {}: {}", part.string(),
+               options.output.string(), error.message());
   guard.kept = true;
   return {surface.vertex_count(), surface.triangle_count()};
 }
@@ -357,8 +371,8 @@ SynthReport write_statue(const SynthSurface& surface, const SynthOptions& option
 void check_request(const SynthOptions& options) {
   constexpr std::uint64_t kMaxTriangles = 2 * kMaxSynthVertices;
   if (options.triangles == 0 || options.triangles > kMaxTriangles)
-    core::fail(core::Status::kUsage, "synth: {} triangles asked for; between 1 and {} can be made", options.triangles,
-               kMaxTriangles);
+    core::fail(core::Status::kUsage, "synth: {} triangles asked for; between 1 and {} can be made",
+               options.triangles, kMaxTriangles);
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 // A mesh of the user's as the base shape of synth, each triangle subdivided into k x k.
 //
-// The surface is that of point-normal triangles (Vlachos, Peters, Boyd, Mitchell: Curved PN Triangles, 2001): a cubic
-// patch per triangle, whose border curves depend on the two ends and their normals alone. We depart from it at border
-// and non-manifold edges: their vertices have no normal, which makes these edges straight and keeps the relief away.
+// The surface is that of point-normal triangles (Vlachos, Peters, Boyd, Mitchell: Curved PN Triangles, 2001):
+// a cubic patch per triangle, whose border curves depend on the two ends and their normals alone. We depart
+// from it at border and non-manifold edges: their vertices have no normal, which makes these edges straight
+// and keeps the relief away.
 //
-// Vertices are numbered: those of the base, then k - 1 on each edge from its lower end, then those inside each triangle.
+// Vertices are numbered: those of the base, then k - 1 on each edge from its lower end, then those inside
+// each triangle.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -30,22 +32,25 @@ void check_base(const BaseMesh& base) {
   using core::Status;
   if (base.triangles.empty()) core::fail(Status::kBadData, "{}: no triangles to subdivide", base.name);
   if (base.positions.size() >= kMaxSynthVertices || base.triangles.size() >= kMaxSynthVertices)
-    core::fail(Status::kBadData, "{}: {} vertices and {} triangles; a base mesh may have less than 2^31 of each",
-               base.name, base.positions.size(), base.triangles.size());
+    core::fail(Status::kBadData,
+               "{}: {} vertices and {} triangles; a base mesh may have less than 2^31 of each", base.name,
+               base.positions.size(), base.triangles.size());
   if (!base.colors.empty() && base.colors.size() != base.positions.size())
-    core::fail(Status::kBadData, "{}: {} colors for {} vertices", base.name, base.colors.size(), base.positions.size());
+    core::fail(Status::kBadData, "{}: {} colors for {} vertices", base.name, base.colors.size(),
+               base.positions.size());
   for (std::size_t i = 0; i < base.positions.size(); ++i)
     for (const double c : base.positions[i])
-      if (!std::isfinite(c)) core::fail(Status::kBadData, "{}: vertex {}: a coordinate is {}", base.name, i, c);
+      if (!std::isfinite(c))
+        core::fail(Status::kBadData, "{}: vertex {}: a coordinate is {}", base.name, i, c);
   for (std::size_t i = 0; i < base.triangles.size(); ++i)
     for (const std::uint32_t v : base.triangles[i])
       if (v >= base.positions.size())
-        core::fail(Status::kBadData, "{}: face {}: vertex index {}, but there are {} vertices", base.name, i, v,
-                   base.positions.size());
+        core::fail(Status::kBadData, "{}: face {}: vertex index {}, but there are {} vertices", base.name, i,
+                   v, base.positions.size());
 }
 
-// The base mesh with vertices at equal positions made one, numbered by first use in a triangle; its edges numbered by
-// first use; normals (zero on border and non-manifold edges).
+// The base mesh with vertices at equal positions made one, numbered by first use in a triangle; its edges
+// numbered by first use; normals (zero on border and non-manifold edges).
 struct WeldedBase {
   std::vector<Point> positions, normals;
   std::vector<std::array<std::uint8_t, 3>> colors;
@@ -85,7 +90,8 @@ void weld(const BaseMesh& base, WeldedBase& mesh) {
     }
     mesh.triangles.push_back(triangle);
   }
-  if (mesh.triangles.empty()) core::fail(core::Status::kBadData, "{}: all triangles are degenerate", base.name);
+  if (mesh.triangles.empty())
+    core::fail(core::Status::kBadData, "{}: all triangles are degenerate", base.name);
 }
 
 // Numbers the edges. Returns for each whether it has other than two triangles of opposite directions.
@@ -111,7 +117,8 @@ std::vector<bool> number_edges(WeldedBase& mesh) {
   std::vector<bool> special_side(sides.size());
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     std::size_t reversed = 0;
-    for (; end < sides.size() && sides[end].low == sides[begin].low && sides[end].high == sides[begin].high; ++end) {
+    for (; end < sides.size() && sides[end].low == sides[begin].low && sides[end].high == sides[begin].high;
+         ++end) {
       leader[sides[end].corner] = sides[begin].corner;
       reversed += sides[end].reversed;
     }
@@ -162,7 +169,9 @@ class SubdividedSurface final : public SynthSurface {
  public:
   SubdividedSurface(const BaseMesh& base, std::uint64_t triangles);
 
-  std::uint64_t vertex_count() const override { return first_inner_ + mesh_.triangles.size() * inner_per_triangle_; }
+  std::uint64_t vertex_count() const override {
+    return first_inner_ + mesh_.triangles.size() * inner_per_triangle_;
+  }
   std::uint64_t triangle_count() const override { return mesh_.triangles.size() * k_ * k_; }
   bool has_colors() const override { return !mesh_.colors.empty(); }
   double extent() const override { return extent_; }
@@ -174,7 +183,8 @@ class SubdividedSurface final : public SynthSurface {
   void triangles(std::uint64_t first, std::span<std::array<std::uint32_t, 3>> corners) const override;
 
  private:
-  // The control points of a triangle's patch: corners are in the mesh; two per edge, from corner i to i + 1; middle.
+  // The control points of a triangle's patch: corners are in the mesh; two per edge, from corner i to i + 1;
+  // middle.
   struct Patch {
     std::uint64_t triangle = ~std::uint64_t{0};
     std::array<std::array<Point, 2>, 3> border{};
@@ -212,8 +222,8 @@ SubdividedSurface::SubdividedSurface(const BaseMesh& base, std::uint64_t triangl
   inner_per_triangle_ = (k_ - 1) * (k_ > 1 ? k_ - 2 : 0) / 2;
   first_inner_ = mesh_.positions.size() + mesh_.edges.size() * (k_ - 1);
   if (vertex_count() > kMaxSynthVertices)
-    core::fail(core::Status::kUsage, "synth: {} triangles on {} need {} vertices; at most {} are supported", triangles,
-               base.name, vertex_count(), kMaxSynthVertices);
+    core::fail(core::Status::kUsage, "synth: {} triangles on {} need {} vertices; at most {} are supported",
+               triangles, base.name, vertex_count(), kMaxSynthVertices);
 }
 
 void SubdividedSurface::measure() {
@@ -268,7 +278,8 @@ SubdividedSurface::Blend SubdividedSurface::blend_inside(std::uint64_t index, Pa
   auto row = static_cast<std::uint64_t>((std::sqrt(8 * static_cast<double>(inner) + 1) - 1) / 2);
   while (row * (row + 1) / 2 > inner) --row;
   while ((row + 1) * (row + 2) / 2 <= inner) ++row;
-  const auto columns = static_cast<double>(inner - row * (row + 1) / 2 + 1), rows = static_cast<double>(row + 2);
+  const auto columns = static_cast<double>(inner - row * (row + 1) / 2 + 1),
+             rows = static_cast<double>(row + 2);
   const auto k = static_cast<double>(k_);
   const double u = (k - rows) / k, v = (rows - columns) / k, w = columns / k;
   const Triangle& corners = mesh_.triangles[triangle];
@@ -284,17 +295,22 @@ void SubdividedSurface::evaluate(std::span<const std::uint32_t> vertices, Surfac
   Patch patch;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const std::uint64_t vertex = vertices[i], corners = mesh_.positions.size();
-    const Blend blend = vertex < corners ? Blend{{vertices[i], vertices[i], vertices[i]}, {1, 0, 0}, mesh_.positions[vertex]}
-                        : vertex < first_inner_ ? blend_on_edge(vertex - corners)
-                                                : blend_inside(vertex - first_inner_, patch);
+    const Blend blend =
+        vertex < corners ? Blend{{vertices[i], vertices[i], vertices[i]}, {1, 0, 0}, mesh_.positions[vertex]}
+        : vertex < first_inner_ ? blend_on_edge(vertex - corners)
+                                : blend_inside(vertex - first_inner_, patch);
     const auto& [u, v, w] = blend.weights;
     const auto& [a, b, c] = blend.corners;
     const Point normal = mesh_.normals[a] * u + mesh_.normals[b] * v + mesh_.normals[c] * w;
     const Point local = blend.position - origin_;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       batch.position[axis][i] = blend.position[axis];
-      (axis == 0 ? batch.local.x : axis == 1 ? batch.local.y : batch.local.z)[i] = static_cast<float>(local[axis]);
-      (axis == 0 ? batch.normal.x : axis == 1 ? batch.normal.y : batch.normal.z)[i] = static_cast<float>(normal[axis]);
+      (axis == 0   ? batch.local.x
+       : axis == 1 ? batch.local.y
+                   : batch.local.z)[i] = static_cast<float>(local[axis]);
+      (axis == 0   ? batch.normal.x
+       : axis == 1 ? batch.normal.y
+                   : batch.normal.z)[i] = static_cast<float>(normal[axis]);
       if (mesh_.colors.empty()) continue;
       const double color = mesh_.colors[a][axis] * u + mesh_.colors[b][axis] * v + mesh_.colors[c][axis] * w;
       (axis == 0 ? batch.color.x : axis == 1 ? batch.color.y : batch.color.z)[i] = static_cast<float>(color);
@@ -303,14 +319,16 @@ void SubdividedSurface::evaluate(std::span<const std::uint32_t> vertices, Surfac
 }
 
 // The vertex in row 0..k from the first corner, column 0..row from the side of the second.
-std::uint32_t SubdividedSurface::vertex_at(std::uint64_t triangle, std::uint64_t row, std::uint64_t column) const {
+std::uint32_t SubdividedSurface::vertex_at(std::uint64_t triangle, std::uint64_t row,
+                                           std::uint64_t column) const {
   const Triangle& corners = mesh_.triangles[triangle];
   const std::uint64_t a = k_ - row, b = row - column, c = column;
   if (a == k_) return corners[0];
   if (b == k_) return corners[1];
   if (c == k_) return corners[2];
   if (a > 0 && b > 0 && c > 0)
-    return static_cast<std::uint32_t>(first_inner_ + triangle * inner_per_triangle_ + (row - 2) * (row - 1) / 2 + column - 1);
+    return static_cast<std::uint32_t>(first_inner_ + triangle * inner_per_triangle_ +
+                                      (row - 2) * (row - 1) / 2 + column - 1);
   // On the edge from `side` to the next corner, `steps` from its beginning.
   const std::size_t side = c == 0 ? 0 : a == 0 ? 1 : 2;
   const std::uint64_t steps = side == 0 ? b : side == 1 ? c : a;
@@ -319,7 +337,8 @@ std::uint32_t SubdividedSurface::vertex_at(std::uint64_t triangle, std::uint64_t
   return static_cast<std::uint32_t>(mesh_.positions.size() + edge * (k_ - 1) + from_low - 1);
 }
 
-void SubdividedSurface::triangles(std::uint64_t first, std::span<std::array<std::uint32_t, 3>> corners) const {
+void SubdividedSurface::triangles(std::uint64_t first,
+                                  std::span<std::array<std::uint32_t, 3>> corners) const {
   const std::uint64_t per_triangle = k_ * k_;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const std::uint64_t triangle = (first + i) / per_triangle, part = (first + i) % per_triangle;

@@ -4,7 +4,8 @@ namespace colossus::input {
 namespace {
 
 // One more turn per octave: a rational rotation, so that its powers are the same everywhere.
-constexpr std::array<double, 9> kTurn = {2.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3, 2.0 / 3, -1.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3};
+constexpr std::array<double, 9> kTurn = {2.0 / 3,  -1.0 / 3, 2.0 / 3, 2.0 / 3, 2.0 / 3,
+                                         -1.0 / 3, -1.0 / 3, 2.0 / 3, 2.0 / 3};
 constexpr std::uint32_t kStepX = 0x9e3779b1U, kStepY = 0x85ebca77U, kStepZ = 0xc2b2ae3dU;
 
 std::array<double, 9> product(const std::array<double, 9>& a, const std::array<double, 9>& b) {
@@ -37,7 +38,8 @@ inline float mix(float a, float b, float t) { return a + (b - a) * t; }
 
 inline float gradient_noise(float x, float y, float z, std::uint32_t seed) {
   const std::int32_t ix = floor_to_int(x), iy = floor_to_int(y), iz = floor_to_int(z);
-  const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy), fz = z - static_cast<float>(iz);
+  const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy),
+              fz = z - static_cast<float>(iz);
   const float gx = fx - 1.0F, gy = fy - 1.0F, gz = fz - 1.0F;
   const std::uint32_t h = static_cast<std::uint32_t>(ix) * kStepX + static_cast<std::uint32_t>(iy) * kStepY +
                           static_cast<std::uint32_t>(iz) * kStepZ + seed;

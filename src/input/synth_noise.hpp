@@ -1,7 +1,8 @@
-// Gradient noise over batches of points, and hashes of numbers: what the relief and the colours of synth are made of.
+// Gradient noise over batches of points, and hashes of numbers: what the relief and the colours of synth are
+// made of.
 //
-// Only + - * / and integer arithmetic in a fixed order per point, written as loops over arrays that compilers turn into
-// SSE2 code: the values are the same whether or not they do.
+// Only + - * / and integer arithmetic in a fixed order per point, written as loops over arrays that compilers
+// turn into SSE2 code: the values are the same whether or not they do.
 #pragma once
 
 #include <array>
@@ -25,8 +26,8 @@ struct PointBatch {
   Lane x, y, z;
 };
 
-// Noise of one wavelength. Every octave has its own lattice, turned and moved, so that the lattices of several octaves
-// do not show as stripes.
+// Noise of one wavelength. Every octave has its own lattice, turned and moved, so that the lattices of
+// several octaves do not show as stripes.
 struct NoiseOctave {
   std::array<float, 9> turn;  // rotation divided by the wavelength, row by row
   std::array<float, 3> shift;
@@ -37,7 +38,8 @@ struct NoiseOctave {
 // `index` tells octaves of one seed apart.
 NoiseOctave make_octave(std::uint64_t seed, std::uint32_t index, double wavelength, double amplitude);
 
-// sum[i] += amplitude * noise(point i), noise being between -1 and 1, of mean 0 and a standard deviation of about 0.25.
+// sum[i] += amplitude * noise(point i), noise being between -1 and 1, of mean 0 and a standard deviation of
+// about 0.25.
 void add_noise(const NoiseOctave& octave, const PointBatch& points, std::size_t count, Lane& sum);
 
 // Uniform in [-1, 1), from the upper or any other 16 bits of a hash.

@@ -1,5 +1,6 @@
-// A pseudo-random permutation of 0 .. count-1 that needs no memory: a Feistel network over the next even number of
-// bits, applied again while the result is not below count (cycle walking; fewer than four rounds on average).
+// A pseudo-random permutation of 0 .. count-1 that needs no memory: a Feistel network over the next even
+// number of bits, applied again while the result is not below count (cycle walking; fewer than four rounds on
+// average).
 #pragma once
 
 #include <array>

@@ -1,9 +1,9 @@
 // The built-in statue: a draped figure on a plinth.
 //
-// Topology: the surface of a box of n x n x m cells, hence closed and manifold at every size. Geometry: horizontal
-// sections between an ellipse and a rounded square, whose measures follow a profile from the middle of the bottom,
-// over the plinth, the robe and the head, to the crown. A vertex is numbered by its cell: bottom grid, rings upward,
-// top grid.
+// Topology: the surface of a box of n x n x m cells, hence closed and manifold at every size. Geometry:
+// horizontal sections between an ellipse and a rounded square, whose measures follow a profile from the
+// middle of the bottom, over the plinth, the robe and the head, to the crown. A vertex is numbered by its
+// cell: bottom grid, rings upward, top grid.
 #include <algorithm>
 #include <cmath>
 
@@ -13,8 +13,8 @@
 namespace colossus::input {
 namespace {
 
-// Measures of a horizontal section in millimetres: height, half width, half depths to the front (-y) and to the back,
-// centre, and 0 for an ellipse to 1 for a rounded square.
+// Measures of a horizontal section in millimetres: height, half width, half depths to the front (-y) and to
+// the back, centre, and 0 for an ellipse to 1 for a rounded square.
 enum Measure : std::size_t { kHeight, kWidth, kFront, kBack, kCenterX, kCenterY, kSquare, kMeasureCount };
 using Measures = std::array<double, kMeasureCount>;
 
@@ -52,44 +52,46 @@ constexpr auto kProfile = std::to_array<Measures>({
     kHead,
     {1872, 93, 109, 114.3, 0, -12, 0},
     {1914.017, 81.6, 95.2, 100.3, 0, -12, 0},
-    {1942.1, 67.2, 78.4, 82.6, 0, -12, 0},  // past the crown, where the top grid takes over: for its slope only
+    {1942.1, 67.2, 78.4, 82.6, 0, -12,
+     0},  // past the crown, where the top grid takes over: for its slope only
 });
 constexpr std::size_t kSegments = kProfile.size() - 2;
 
-// A capsule of clay: raises (or carves, if negative) the surface within `radius` of the line from `from` to `to`.
+// A capsule of clay: raises (or carves, if negative) the surface within `radius` of the line from `from` to
+// `to`.
 struct Capsule {
   std::array<float, 3> from, to;
   float radius, height;
 };
 
 constexpr auto kCapsules = std::to_array<Capsule>({
-    {{218, 8, 1530}, {232, 12, 1300}, 72, 42},        // right upper arm
-    {{232, 12, 1290}, {70, -140, 1195}, 62, 38},      // right forearm, across the waist
-    {{80, -150, 1195}, {20, -150, 1180}, 40, 20},     // right hand
-    {{-226, 8, 1530}, {-214, 14, 1270}, 72, 42},      // left upper arm
-    {{-214, 14, 1270}, {-206, -30, 1040}, 58, 36},    // left forearm
-    {{-206, -34, 1030}, {-202, -44, 950}, 42, 24},    // left hand
-    {{75, -130, 1425}, {70, -134, 1420}, 78, 22},     // chest
+    {{218, 8, 1530}, {232, 12, 1300}, 72, 42},      // right upper arm
+    {{232, 12, 1290}, {70, -140, 1195}, 62, 38},    // right forearm, across the waist
+    {{80, -150, 1195}, {20, -150, 1180}, 40, 20},   // right hand
+    {{-226, 8, 1530}, {-214, 14, 1270}, 72, 42},    // left upper arm
+    {{-214, 14, 1270}, {-206, -30, 1040}, 58, 36},  // left forearm
+    {{-206, -34, 1030}, {-202, -44, 950}, 42, 24},  // left hand
+    {{75, -130, 1425}, {70, -134, 1420}, 78, 22},   // chest
     {{-85, -130, 1425}, {-80, -134, 1420}, 78, 22},
-    {{80, -150, 1050}, {95, -165, 640}, 130, 26},     // the leg that carries no weight, under the robe
-    {{95, -175, 640}, {95, -170, 600}, 80, 16},       // its knee
-    {{-40, -165, 370}, {-40, -172, 345}, 55, 10},     // feet
+    {{80, -150, 1050}, {95, -165, 640}, 130, 26},  // the leg that carries no weight, under the robe
+    {{95, -175, 640}, {95, -170, 600}, 80, 16},    // its knee
+    {{-40, -165, 370}, {-40, -172, 345}, 55, 10},  // feet
     {{100, -150, 370}, {100, -160, 345}, 55, 12},
-    {{0, -122, 1866}, {0, -124, 1824}, 20, 17},       // nose
+    {{0, -122, 1866}, {0, -124, 1824}, 20, 17},  // nose
     {{0, -124, 1822}, {0, -126, 1816}, 17, 15},
     {{-12, -120, 1816}, {12, -120, 1816}, 11, 5},
     {{-36, -108, 1853}, {-34, -110, 1853}, 26, -11},  // eye sockets and eyes
     {{36, -108, 1853}, {34, -110, 1853}, 26, -11},
     {{-40, -106, 1852}, {-32, -108, 1852}, 13, 7},
     {{40, -106, 1852}, {32, -108, 1852}, 13, 7},
-    {{-14, -112, 1874}, {-58, -96, 1873}, 13, 5},     // brows
+    {{-14, -112, 1874}, {-58, -96, 1873}, 13, 5},  // brows
     {{14, -112, 1874}, {58, -96, 1873}, 13, 5},
-    {{-18, -118, 1789}, {18, -118, 1789}, 10, 6},     // lips
+    {{-18, -118, 1789}, {18, -118, 1789}, 10, 6},  // lips
     {{-20, -118, 1781}, {20, -118, 1781}, 5, -5},
     {{-15, -117, 1773}, {15, -117, 1773}, 10, 6},
-    {{0, -112, 1748}, {0, -110, 1744}, 26, 10},       // chin
-    {{-70, 30, 1905}, {70, 30, 1905}, 70, 14},        // hair
-    {{0, 120, 1800}, {0, 112, 1770}, 66, 40},         // a knot of hair
+    {{0, -112, 1748}, {0, -110, 1744}, 26, 10},  // chin
+    {{-70, 30, 1905}, {70, 30, 1905}, 70, 14},   // hair
+    {{0, 120, 1800}, {0, 112, 1770}, 66, 40},    // a knot of hair
 });
 
 // A section as the vertices of one ring use it: measures, and their change per step along the profile.
@@ -105,8 +107,8 @@ inline float smooth_step(float t) {
   return t * t * (3.0F - 2.0F * t);
 }
 
-// The sharp edge at the bottom would turn inside out under relief deeper than a triangle, so the relief fades there:
-// its share at a distance along the surface.
+// The sharp edge at the bottom would turn inside out under relief deeper than a triangle, so the relief fades
+// there: its share at a distance along the surface.
 float relief_near_edge(double distance) {
   return std::max(smooth_step(static_cast<float>(distance / 40)), 1e-3F);
 }
@@ -115,8 +117,8 @@ double harmonic_mean_slope(double before, double after) {
   return before * after <= 0 ? 0 : 2 * before * after / (before + after);
 }
 
-// The profile as a curve over s in [0, kSegments]: cubic through the table's lines, without overshoot (slopes after
-// Fritsch and Butland 1984), so that ledges stay ledges.
+// The profile as a curve over s in [0, kSegments]: cubic through the table's lines, without overshoot (slopes
+// after Fritsch and Butland 1984), so that ledges stay ledges.
 struct ProfilePoint {
   Measures value, slope;
 };
@@ -135,14 +137,16 @@ ProfilePoint profile_at(double s) {
     const double a = kProfile[knot][i], b = kProfile[knot + 1][i], here = (b - a) / length;
     const double before = knot == 0 ? here : (a - kProfile[knot - 1][i]) / knot_distance(knot - 1);
     const double after = (kProfile[knot + 2][i] - b) / knot_distance(knot + 1);
-    const double c = length * harmonic_mean_slope(before, here), d = length * harmonic_mean_slope(here, after);
+    const double c = length * harmonic_mean_slope(before, here),
+                 d = length * harmonic_mean_slope(here, after);
     point.value[i] = a + t * (c + t * ((3 * (b - a) - 2 * c - d) + t * (c + d - 2 * (b - a))));
     point.slope[i] = c + t * (2 * (3 * (b - a) - 2 * c - d) + 3 * t * (c + d - 2 * (b - a)));
   }
   return point;
 }
 
-// How far along the profile's length each of equally spaced parameters lies; its end is the length in millimetres.
+// How far along the profile's length each of equally spaced parameters lies; its end is the length in
+// millimetres.
 constexpr std::size_t kLengthSamples = 64 * kSegments;
 
 std::vector<double> profile_lengths() {
@@ -254,8 +258,8 @@ class StatueSurface final : public SynthSurface {
 
 StatueSurface::StatueSurface(std::uint64_t triangles, std::uint64_t seed) : box_(choose_box(triangles)) {
   if (box_.vertices() > kMaxSynthVertices)
-    core::fail(core::Status::kUsage, "synth: {} triangles need {} vertices; at most {} are supported", triangles,
-               box_.vertices(), kMaxSynthVertices);
+    core::fail(core::Status::kUsage, "synth: {} triangles need {} vertices; at most {} are supported",
+               triangles, box_.vertices(), kMaxSynthVertices);
   const std::uint64_t n = box_.n, m = box_.m;
   sections_.reserve(2 * n + m + 1);
   for (std::uint64_t ring = 0; ring <= n; ++ring) sections_.push_back(bottom_section(ring, n));
@@ -269,7 +273,8 @@ StatueSurface::StatueSurface(std::uint64_t triangles, std::uint64_t seed) : box_
     sections_.push_back(make_section(point.value, point.slope, 1, relief_near_edge(point.value[kHeight])));
   }
   for (std::uint64_t ring = n + 1; ring-- > 0;) sections_.push_back(top_section(ring, n));
-  mean_edge_ = std::sqrt(2.75e6 / static_cast<double>(box_.quads()));  // the shape has about 2.75 square metres
+  mean_edge_ =
+      std::sqrt(2.75e6 / static_cast<double>(box_.quads()));  // the shape has about 2.75 square metres
   fold_warp_ = make_octave(seed, 1000, 420, 1.6);
   fold_depth_ = make_octave(seed, 1001, 260, 1.2);
 }
@@ -281,7 +286,8 @@ Place StatueSurface::place(std::uint32_t vertex) const {
   if (vertex < grid || vertex >= top) {
     const std::uint32_t index = vertex < grid ? vertex : vertex - top;
     const std::uint32_t i = index % (n + 1), j = index / (n + 1);
-    const std::uint32_t ring = std::max(std::max(2 * i, n) - std::min(2 * i, n), std::max(2 * j, n) - std::min(2 * j, n));
+    const std::uint32_t ring =
+        std::max(std::max(2 * i, n) - std::min(2 * i, n), std::max(2 * j, n) - std::min(2 * j, n));
     return {i, j, vertex < grid ? ring : 2 * n + m - ring};
   }
   const std::uint32_t level = 1 + (vertex - grid) / (4 * n), around = (vertex - grid) % (4 * n);
@@ -295,7 +301,8 @@ Place StatueSurface::place(std::uint32_t vertex) const {
 std::uint32_t StatueSurface::ring_vertex(std::uint64_t level, std::uint64_t around) const {
   const std::uint64_t n = box_.n;
   if (around == 4 * n) around = 0;
-  if (level > 0 && level < box_.m) return static_cast<std::uint32_t>(box_.grid_vertices() + (level - 1) * 4 * n + around);
+  if (level > 0 && level < box_.m)
+    return static_cast<std::uint32_t>(box_.grid_vertices() + (level - 1) * 4 * n + around);
   const std::uint64_t side = around / n, along = around % n;
   const std::uint64_t i = side == 0 ? along : side == 1 ? n : side == 2 ? n - along : 0;
   const std::uint64_t j = side == 0 ? 0 : side == 1 ? along : side == 2 ? n : n - along;
@@ -316,8 +323,8 @@ std::array<std::uint32_t, 4> StatueSurface::quad(std::uint64_t index) const {
   const std::uint64_t corner = grid + cell / n * (n + 1) + cell % n;
   const auto a = static_cast<std::uint32_t>(corner), b = static_cast<std::uint32_t>(corner + 1);
   const auto c = static_cast<std::uint32_t>(corner + n + 2), d = static_cast<std::uint32_t>(corner + n + 1);
-  // The diagonal between the first and third runs outward: in the corners of the grid, three vertices in a row of the
-  // outermost ring make no triangle.
+  // The diagonal between the first and third runs outward: in the corners of the grid, three vertices in a
+  // row of the outermost ring make no triangle.
   const bool rising = (2 * (cell % n) < n) == (2 * (cell / n) < n);
   if (bottom) return rising ? std::array{a, d, c, b} : std::array{d, c, b, a};
   return rising ? std::array{a, b, c, d} : std::array{b, c, d, a};
@@ -338,62 +345,59 @@ void StatueSurface::triangles(std::uint64_t first, std::span<std::array<std::uin
 // About tan(pi / 4 * x): spaces the directions of equally spaced points of a square's side evenly.
 inline float even_direction(float x) { return x * (0.7854F + 0.2146F * x * x); }
 
+struct SurfacePoint {
+  std::array<float, 3> position, normal;
+};
+
+// The point of a section's ring in the direction of (across, along) on the square's border.
+SurfacePoint point_of_ring(const Section& section, float across, float along) {
+  const auto& value = section.value;
+  const auto& slope = section.slope;
+  const float dx = even_direction(across), dy = even_direction(along);
+  // The unit circle and the rounded square (the 8-norm's unit ball) in that direction; how the latter shrinks
+  // as the direction turns.
+  const float dx2 = dx * dx, dy2 = dy * dy, dx4 = dx2 * dx2, dy4 = dy2 * dy2;
+  const float circle = 1.0F / std::sqrt(dx2 + dy2);
+  const float square = 1.0F / std::sqrt(std::sqrt(std::sqrt(dx4 * dx4 + dy4 * dy4)));
+  const float square2 = square * square, square4 = square2 * square2;
+  const float shrink = (dy4 * dy2 - dx4 * dx2) * dx * dy * square4 * square4 * square;
+  const float q = value[kSquare], reach = circle + q * (square - circle);
+  const float rx = dx * reach, ry = dy * reach, width = value[kWidth];
+  const float depth = dy < 0.0F ? value[kFront] : value[kBack];
+  const float depth_slope = dy < 0.0F ? slope[kFront] : slope[kBack];
+  // Tangents along the ring (u) and along the profile (v).
+  const float ux = width * (-dy * reach - q * shrink * dx), uy = depth * (dx * reach - q * shrink * dy);
+  const float swell = slope[kSquare] * (square - circle);
+  const float vx = slope[kCenterX] + slope[kWidth] * rx + width * dx * swell;
+  const float vy = slope[kCenterY] + depth_slope * ry + depth * dy * swell;
+  const float vz = slope[kHeight];
+  const float nx = uy * vz, ny = -ux * vz, nz = ux * vy - uy * vx;
+  const float scale = section.relief / std::sqrt(nx * nx + ny * ny + nz * nz);
+  return {{value[kCenterX] + section.scale * width * rx, value[kCenterY] + section.scale * depth * ry,
+           value[kHeight]},
+          {nx * scale, ny * scale, nz * scale}};
+}
+
 void StatueSurface::evaluate(std::span<const std::uint32_t> vertices, SurfaceBatch& batch) const {
-  const std::size_t count = vertices.size();
-  std::array<Lane, kMeasureCount> value, slope;
-  Lane scale, relief, along_x, along_y;
   const auto n = static_cast<std::int32_t>(box_.n);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Place place = this->place(vertices[i]);
-    const Section& section = sections_[place.section];
-    for (std::size_t k = 0; k < kMeasureCount; ++k) {
-      value[k][i] = section.value[k];
-      slope[k][i] = section.slope[k];
-    }
-    scale[i] = section.scale;
-    relief[i] = section.relief;
-    along_x[i] = static_cast<float>(2 * static_cast<std::int32_t>(place.i) - n);
-    along_y[i] = static_cast<float>(2 * static_cast<std::int32_t>(place.j) - n);
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    // The direction on the ring; the one vertex in the middle of a grid takes any.
-    const float largest = std::max(std::abs(along_x[i]), std::abs(along_y[i]));
-    const float side = largest + (largest == 0.0F ? 1.0F : 0.0F);
-    const float dx = even_direction((along_x[i] + (side - largest)) / side), dy = even_direction(along_y[i] / side);
-    // Unit circle and rounded square (the 8-norm's unit ball) in that direction, with tangents.
-    const float dx2 = dx * dx, dy2 = dy * dy, dx4 = dx2 * dx2, dy4 = dy2 * dy2;
-    const float circle = 1.0F / std::sqrt(dx2 + dy2);
-    const float norm = std::sqrt(std::sqrt(std::sqrt(dx4 * dx4 + dy4 * dy4)));
-    const float square = 1.0F / norm, square2 = square * square, square4 = square2 * square2;
-    const float turn = (dy4 * dy2 - dx4 * dx2) * dx * dy * square4 * square4 * square;  // -d(1/norm) along the turn
-    const float q = value[kSquare][i], reach = circle + q * (square - circle);
-    const float front = dy < 0.0F ? 1.0F : 0.0F;
-    const float depth = value[kBack][i] + front * (value[kFront][i] - value[kBack][i]);
-    const float depth_slope = slope[kBack][i] + front * (slope[kFront][i] - slope[kBack][i]);
-    const float rx = dx * reach, ry = dy * reach, s = scale[i];
-    batch.local.x[i] = value[kCenterX][i] + s * value[kWidth][i] * rx;
-    batch.local.y[i] = value[kCenterY][i] + s * depth * ry;
-    batch.local.z[i] = value[kHeight][i];
-    const float ux = value[kWidth][i] * (-dy * reach - q * turn * dx);
-    const float uy = depth * (dx * reach - q * turn * dy);
-    const float swell = slope[kSquare][i] * (square - circle);
-    const float vx = slope[kCenterX][i] + slope[kWidth][i] * rx + value[kWidth][i] * dx * swell;
-    const float vy = slope[kCenterY][i] + depth_slope * ry + depth * dy * swell;
-    const float vz = slope[kHeight][i];
-    const float nx = uy * vz, ny = -ux * vz, nz = ux * vy - uy * vx;
-    const float length = relief[i] / std::sqrt(nx * nx + ny * ny + nz * nz);
-    batch.normal.x[i] = nx * length;
-    batch.normal.y[i] = ny * length;
-    batch.normal.z[i] = nz * length;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    batch.position[0][i] = static_cast<double>(batch.local.x[i]);
-    batch.position[1][i] = static_cast<double>(batch.local.y[i]);
-    batch.position[2][i] = static_cast<double>(batch.local.z[i]);
+    const std::int32_t x = 2 * static_cast<std::int32_t>(place.i) - n,
+                       y = 2 * static_cast<std::int32_t>(place.j) - n;
+    // The one vertex in the middle of a grid lies in all directions; any will do.
+    const std::int32_t side = std::max(std::abs(x), std::abs(y));
+    const float across = side == 0 ? 1.0F : static_cast<float>(x) / static_cast<float>(side);
+    const float along = side == 0 ? 0.0F : static_cast<float>(y) / static_cast<float>(side);
+    const auto [position, normal] = point_of_ring(sections_[place.section], across, along);
+    batch.local.x[i] = position[0], batch.local.y[i] = position[1], batch.local.z[i] = position[2];
+    batch.normal.x[i] = normal[0], batch.normal.y[i] = normal[1], batch.normal.z[i] = normal[2];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      batch.position[axis][i] = static_cast<double>(position[axis]);
   }
 }
 
-// Vertical folds of the robe, bent and deepened by noise; 24 of them around, deep at the hem, shallow above the waist.
+// Vertical folds of the robe, bent and deepened by noise; 24 of them around, deep at the hem, shallow above
+// the waist.
 void StatueSurface::add_folds(const PointBatch& local, std::size_t count, Lane& height) const {
   Lane phase{}, depth{};
   add_noise(fold_warp_, local, count, phase);

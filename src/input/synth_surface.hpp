@@ -1,5 +1,5 @@
-// The shapes that synth sculpts: closed grids and subdivided meshes whose vertices and triangles are pure functions of
-// their numbers. Internal to src/input/synth*.cpp.
+// The shapes that synth sculpts: closed grids and subdivided meshes whose vertices and triangles are pure
+// functions of their numbers. Internal to src/input/synth*.cpp.
 #pragma once
 
 #include <array>
@@ -30,7 +30,8 @@ class SynthSurface {
   virtual std::uint64_t vertex_count() const = 0;
   virtual std::uint64_t triangle_count() const = 0;
   virtual bool has_colors() const { return false; }
-  // Sizes in units of the coordinates: of the whole, of the largest relief, of an edge, and the largest coordinate.
+  // Sizes in units of the coordinates: of the whole, of the largest relief, of an edge, and the largest
+  // coordinate.
   virtual double extent() const = 0;
   virtual double relief_wavelength() const = 0;
   virtual double mean_edge() const = 0;
@@ -38,7 +39,8 @@ class SynthSurface {
 
   // The vertices with these numbers, at most kSynthBatch.
   virtual void evaluate(std::span<const std::uint32_t> vertices, SurfaceBatch& batch) const = 0;
-  // Adds what is carved on this shape in particular to the heights, as a function of the local position alone.
+  // Adds what is carved on this shape in particular to the heights, as a function of the local position
+  // alone.
   virtual void add_carving(const PointBatch& local, std::size_t count, Lane& height) const = 0;
   // The corners of consecutive triangles from number `first` on, counter-clockwise from outside.
   virtual void triangles(std::uint64_t first, std::span<std::array<std::uint32_t, 3>> corners) const = 0;

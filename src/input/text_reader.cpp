@@ -55,12 +55,12 @@ bool TextReader::skip_blanks() {
     std::size_t at = 0;
     while (at < bytes.size() && is_blank(text[at])) ++at;
     window_.consume(at);
-    if (at + 3 > bytes.size() && window_.remaining() > bytes.size() - at) continue;  // look at the following bytes too
+    if (at + 3 > bytes.size() && window_.remaining() > bytes.size() - at)
+      continue;  // look at the following bytes too
     if (at == bytes.size()) return false;
     if (is_line_end(text[at]) || (syntax_.comments && text[at] == '#')) return false;
-    const std::size_t joined = syntax_.continuations && text[at] == '\\'
-                                   ? line_end_size(text + at + 1, bytes.size() - at - 1)
-                                   : 0;
+    const std::size_t joined =
+        syntax_.continuations && text[at] == '\\' ? line_end_size(text + at + 1, bytes.size() - at - 1) : 0;
     if (joined == 0) return true;
     window_.consume(1 + joined);
     ++line_;
@@ -76,7 +76,9 @@ std::string_view TextReader::word() {
     if (size > kMaxWord)
       core::fail(core::Status::kBadData, "{}: line {}: a word of more than {} characters; expected text",
                  file_.path().string(), line_, kMaxWord);
-    if (syntax_.continuations && text[size] == '\\' && line_end_size(text + size + 1, bytes.size() - size - 1) > 0) break;
+    if (syntax_.continuations && text[size] == '\\' &&
+        line_end_size(text + size + 1, bytes.size() - size - 1) > 0)
+      break;
   }
   window_.consume(size);
   return {text, size};

@@ -10,8 +10,8 @@
 
 namespace colossus::input {
 
-// The whole word as a number, or nothing. from_chars' syntax, plus a leading '+'; "nan" and "inf" are numbers; what is
-// too small for a double is 0, what is too large is infinite.
+// The whole word as a number, or nothing. from_chars' syntax, plus a leading '+'; "nan" and "inf" are
+// numbers; what is too small for a double is 0, what is too large is infinite.
 std::optional<double> parse_double(std::string_view word);
 std::optional<std::int64_t> parse_int(std::string_view word);
 
@@ -22,7 +22,8 @@ class TextReader {
     bool continuations = false;  // a backslash at the end of a line joins it with the next
   };
 
-  // Starts at `offset`, which is the start of a line, and skips a byte order mark there. The file must outlive it.
+  // Starts at `offset`, which is the start of a line, and skips a byte order mark there. The file must
+  // outlive it.
   TextReader(const core::File& file, std::uint64_t offset, Syntax syntax);
 
   // Goes to the next line that has a word (at first: the first one). False at the end of the file.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "core/error.hpp"
 #include "geometry/quadric.hpp"
@@ -26,7 +27,7 @@ constexpr double kLeastTurnCosine = 0.2;
 // Height over longest side below which a triangle's own normal says nothing: clip slivers, rounded to the lattice.
 constexpr double kFlatness = 1e-3;
 // A pass accepts costs up to this factor over that of the last collapse that it would need.
-constexpr double kPassCostFactor = 1.5;
+constexpr float kPassCostFactor = 1.5F;
 
 struct Candidate {
   float cost;
@@ -53,7 +54,7 @@ class Collapser {
       // Below a thousandth of what is still wanted, further passes only cost time.
       if ((before - live_count_) * 1000 <= before - target_) break;
     }
-    finish();
+    finish(outcome);
     outcome.final_triangles = triangles().size();
     return outcome;
   }
@@ -87,16 +88,38 @@ class Collapser {
     compute_quadrics();
     collect_candidates();
     if (candidates_.empty()) return;
-    std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& l, const Candidate& r) {
-      if (l.cost != r.cost) return l.cost < r.cost;
-      return l.from != r.from ? l.from < r.from : l.to < r.to;
-    });
-    const std::size_t needed = (live_count_ - target_) / 2;
-    const double limit = kPassCostFactor * candidates_[std::min(needed, candidates_.size() - 1)].cost;
+    keep_cheapest(std::min((live_count_ - target_) / 2, candidates_.size() - 1));
+    sort_by_cost();
     for (const Candidate& candidate : candidates_) {
-      if (live_count_ <= target_ || candidate.cost > limit) break;
+      if (live_count_ <= target_) break;
       if (is_touched_[candidate.from] || is_touched_[candidate.to]) continue;
       collapse(candidate.from, candidate.to);
+    }
+  }
+
+  // Drops the candidates that cost much more than the one at `rank`.
+  void keep_cheapest(std::size_t rank) {
+    costs_.clear();
+    for (const Candidate& candidate : candidates_) costs_.push_back(candidate.cost);
+    std::nth_element(costs_.begin(), costs_.begin() + static_cast<std::ptrdiff_t>(rank), costs_.end());
+    const float limit = kPassCostFactor * costs_[rank];
+    std::erase_if(candidates_, [&](const Candidate& candidate) { return candidate.cost > limit; });
+  }
+
+  // Radix sort, stable, so that equal costs stay in the order of the triangles. Costs are not negative: their bits are
+  // in order.
+  void sort_by_cost() {
+    constexpr int kDigitBits = 11;
+    constexpr std::uint32_t kDigits = 1U << kDigitBits;
+    sorted_.resize(candidates_.size());
+    for (int shift = 0; shift < 32; shift += kDigitBits) {
+      std::array<std::uint32_t, kDigits> starts{};
+      const auto digit = [&](const Candidate& c) { return std::bit_cast<std::uint32_t>(c.cost) >> shift & (kDigits - 1); };
+      for (const Candidate& candidate : candidates_) ++starts[digit(candidate)];
+      std::uint32_t sum = 0;
+      for (auto& start : starts) sum += std::exchange(start, sum);
+      for (const Candidate& candidate : candidates_) sorted_[starts[digit(candidate)]++] = candidate;
+      candidates_.swap(sorted_);
     }
   }
 
@@ -336,8 +359,8 @@ class Collapser {
     region_.cells.resize(kept);
   }
 
-  // Drops dead vertices, keeps the others in their order, and accounts for the deviations.
-  void finish() {
+  // Drops dead vertices, keeps the others in their order, and measures what has become of the surface.
+  void finish(Outcome& outcome) {
     const std::size_t count = positions_.size();
     std::vector<bool> is_used(count, false);
     for (const Triangle& t : triangles())
@@ -360,7 +383,9 @@ class Collapser {
       while (representative_[root] != root) root = representative_[root] = representative_[representative_[root]];
       final_representative[v] = renumbered[root];
     }
-    region_.deviations = accumulate_deviations(before_, region_.deviations, region_.mesh, final_representative);
+    const Deviation deviation =
+        measure_deviation(before_, region_.mesh, region_.cells, final_representative, region_.samples);
+    outcome.deviation = std::max(deviation.of_samples, deviation.of_vertices);
   }
 
   template <typename Visit>
@@ -407,6 +432,8 @@ class Collapser {
   std::vector<Vec3> positions_;
   std::vector<Quadric> quadrics_;
   std::vector<Candidate> candidates_;
+  std::vector<Candidate> sorted_;
+  std::vector<float> costs_;
   std::vector<std::uint32_t> representative_;
   std::vector<std::uint32_t> stamps_;
   std::vector<bool> is_touched_;
@@ -418,7 +445,6 @@ class Collapser {
 
 Outcome simplify(Region& region, std::size_t target_triangles) {
   COLOSSUS_CHECK(region.faces.size() == region.mesh.vertices.size());
-  COLOSSUS_CHECK(region.deviations.size() == region.mesh.vertices.size());
   COLOSSUS_CHECK(region.cells.size() == region.mesh.triangles.size());
   return Collapser(region, target_triangles).run();
 }

@@ -24,9 +24,10 @@ struct Outcome {
   std::uint64_t initial_vertices = 0;
   std::uint64_t locked_vertices = 0;  // of the initial ones: on outer faces or non-manifold
   int passes = 0;
+  double deviation = 0.0;  // estimate of the greatest distance between this surface and the input, lattice units
 };
 
-// Reduces the region to at most `target_triangles`, as far as it can, and updates its deviations. About two million
+// Reduces the region to at most `target_triangles`, as far as it can, and updates its samples. About two million
 // triangles per second; memory some 250 bytes per triangle. Deterministic.
 Outcome simplify(Region& region, std::size_t target_triangles);
 

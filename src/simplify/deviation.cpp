@@ -15,75 +15,116 @@ using geometry::Vec3;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-// Squared distance from p to the triangles around v; `best` if none is nearer.
-double squared_distance_around(const Vec3& p, const mesh::Mesh& mesh, const mesh::Adjacency& adjacency, std::uint32_t v,
-                               double best) {
-  for (const auto i : adjacency.around(v)) {
-    const mesh::Triangle& t = mesh.triangles[i];
-    best = std::min(best, geometry::squared_distance_to_triangle(p, geometry::to_vec3(mesh.vertices[t[0]].position),
-                                                                 geometry::to_vec3(mesh.vertices[t[1]].position),
-                                                                 geometry::to_vec3(mesh.vertices[t[2]].position)));
-  }
-  return best;
-}
+struct Nearest {
+  double squared = kFar;
+  std::uint32_t triangle = kNone;
+};
 
-float rounded_up(double value) {
-  const float rounded = static_cast<float>(value);
-  return static_cast<double>(rounded) < value ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded;
-}
+// A surface on which the nearest point is found by walking.
+class WalkableSurface {
+ public:
+  explicit WalkableSurface(const mesh::Mesh& mesh) : mesh_(mesh) {
+    adjacency_.build(mesh.triangles, mesh.vertices.size());
+    stamps_.assign(mesh.vertices.size(), 0);
+  }
+
+  // The nearest of the triangles around v, if nearer than what is known.
+  void look_around(const Vec3& p, std::uint32_t v, Nearest& nearest) const {
+    for (const auto i : adjacency_.around(v)) {
+      const mesh::Triangle& t = mesh_.triangles[i];
+      const double squared = geometry::squared_distance_to_triangle(p, at(t[0]), at(t[1]), at(t[2]), nearest.squared);
+      if (squared < nearest.squared) nearest = {squared, i};
+    }
+  }
+
+  // From v on to wherever it gets nearer. A local minimum: an upper bound of the distance.
+  Nearest walk(const Vec3& p, std::uint32_t v) {
+    const std::uint32_t visited = ++stamp_;
+    Nearest nearest;
+    stamps_[v] = visited;
+    look_around(p, v, nearest);
+    for (std::uint32_t from = kNone; nearest.triangle != from && nearest.squared > 0.0;) {
+      from = nearest.triangle;
+      for (const auto corner : mesh_.triangles[from]) {
+        if (stamps_[corner] == visited) continue;
+        stamps_[corner] = visited;
+        look_around(p, corner, nearest);
+      }
+    }
+    return nearest;
+  }
+
+  std::uint32_t nearest_corner(const Vec3& p, std::uint32_t triangle) const {
+    const mesh::Triangle& t = mesh_.triangles[triangle];
+    std::size_t best = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+      if (geometry::squared_length(at(t[k]) - p) < geometry::squared_length(at(t[best]) - p)) best = k;
+    return t[best];
+  }
+
+ private:
+  Vec3 at(std::uint32_t v) const { return geometry::to_vec3(mesh_.vertices[v].position); }
+
+  const mesh::Mesh& mesh_;
+  mesh::Adjacency adjacency_;
+  std::vector<std::uint32_t> stamps_;
+  std::uint32_t stamp_ = 0;
+};
 
 }  // namespace
 
-std::vector<float> accumulate_deviations(const mesh::Mesh& before, std::span<const float> before_deviations,
-                                         const mesh::Mesh& after, std::span<const std::uint32_t> representative) {
-  mesh::Adjacency around_before;
-  mesh::Adjacency around_after;
-  around_before.build(before.triangles, before.vertices.size());
-  around_after.build(after.triangles, after.vertices.size());
-  std::vector<double> deviations(after.vertices.size(), 0.0);
-  const auto raise = [&](std::uint32_t v, double value) { deviations[v] = std::max(deviations[v], value); };
-  const auto has_stayed = [&](std::uint32_t v) {
-    return representative[v] != kNone && before.vertices[v].position == after.vertices[representative[v]].position;
+Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, std::span<const std::uint8_t> cells,
+                            std::span<const std::uint32_t> representative, std::vector<SurfaceSample>& samples) {
+  Deviation deviation;
+  // What the samples said of the surface before, where each vertex was.
+  std::vector<float> earlier(before.vertices.size(), 0.0F);
+  for (const SurfaceSample& sample : samples) earlier[sample.anchor] = std::max(earlier[sample.anchor], sample.distance);
+
+  WalkableSurface surface_after(after);
+  for (SurfaceSample& sample : samples) {
+    const Vec3 p = geometry::to_vec3(sample.position);
+    const Nearest nearest = surface_after.walk(p, representative[sample.anchor]);
+    sample.distance = static_cast<float>(std::sqrt(nearest.squared));
+    sample.anchor = surface_after.nearest_corner(p, nearest.triangle);
+    sample.cell = cells[nearest.triangle];
+    deviation.of_samples = std::max(deviation.of_samples, static_cast<double>(sample.distance));
+  }
+
+  const WalkableSurface surface_before(before);
+  std::vector<Nearest> placed(after.vertices.size());
+  std::vector<float> carried(after.vertices.size(), 0.0F);
+  for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
+    const std::uint32_t r = representative[v];
+    carried[r] = std::max(carried[r], earlier[v]);
+    if (before.vertices[v].position == after.vertices[r].position) placed[r].squared = 0.0;
+    if (placed[r].squared > 0.0)
+      surface_before.look_around(geometry::to_vec3(after.vertices[r].position), v, placed[r]);
+  }
+  for (std::size_t r = 0; r < placed.size(); ++r)
+    if (placed[r].squared > 0.0)
+      deviation.of_vertices = std::max(deviation.of_vertices, std::sqrt(placed[r].squared) + static_cast<double>(carried[r]));
+  return deviation;
+}
+
+void thin_out(std::vector<SurfaceSample>& samples, std::size_t count) {
+  if (samples.size() <= count) return;
+  const auto farther = [](const SurfaceSample& a, const SurfaceSample& b) {
+    return a.distance != b.distance ? a.distance > b.distance : a.position < b.position;
   };
-
-  // Vertices of the finer mesh against the coarser, and placed vertices of the coarser against the finer.
-  std::vector<double> placed(after.vertices.size(), kFar);
-  for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
-    const std::uint32_t r = representative[v];
-    if (r == kNone) continue;
-    if (has_stayed(v)) {
-      raise(r, before_deviations[v]);
-      placed[r] = 0.0;
-      continue;
-    }
-    const Vec3 p = geometry::to_vec3(before.vertices[v].position);
-    raise(r, before_deviations[v] + std::sqrt(squared_distance_around(p, after, around_after, r, kFar)));
-    if (placed[r] > 0.0)
-      placed[r] = squared_distance_around(geometry::to_vec3(after.vertices[r].position), before, around_before, v, placed[r]);
-  }
-  for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
-    const std::uint32_t r = representative[v];
-    if (r != kNone && placed[r] > 0.0) raise(r, before_deviations[v] + std::sqrt(placed[r]));
-  }
-
-  // Midpoints of edges of the finer mesh that lost an end; where both ends fell together, the vertices have said it.
-  for (const mesh::Triangle& t : before.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k];
-      const std::uint32_t b = t[(k + 1) % 3];
-      const std::uint32_t ra = representative[a];
-      const std::uint32_t rb = representative[b];
-      if (a > b || ra == rb || ra == kNone || rb == kNone || (has_stayed(a) && has_stayed(b))) continue;
-      const Vec3 middle = 0.5 * (geometry::to_vec3(before.vertices[a].position) + geometry::to_vec3(before.vertices[b].position));
-      double squared = squared_distance_around(middle, after, around_after, ra, kFar);
-      squared = squared_distance_around(middle, after, around_after, rb, squared);
-      const double value = 0.5 * (before_deviations[a] + before_deviations[b]) + std::sqrt(squared);
-      raise(ra, value);
-      raise(rb, value);
-    }
-  std::vector<float> result(deviations.size());
-  std::transform(deviations.begin(), deviations.end(), result.begin(), rounded_up);
-  return result;
+  const auto by_hash = [](const SurfaceSample& a, const SurfaceSample& b) {
+    const std::size_t hash_a = geometry::PointHash{}(a.position);
+    const std::size_t hash_b = geometry::PointHash{}(b.position);
+    return hash_a != hash_b ? hash_a < hash_b : a.position < b.position;
+  };
+  const auto kept = static_cast<std::ptrdiff_t>(count / 4);
+  std::nth_element(samples.begin(), samples.begin() + kept, samples.end(), farther);
+  std::nth_element(samples.begin() + kept, samples.begin() + static_cast<std::ptrdiff_t>(count), samples.end(), by_hash);
+  samples.resize(count);
+  // nth_element leaves an order of its own; this one is everybody's.
+  std::sort(samples.begin(), samples.end(),
+            [](const SurfaceSample& a, const SurfaceSample& b) {
+              return a.anchor != b.anchor ? a.anchor < b.anchor : a.position < b.position;
+            });
 }
 
 }  // namespace colossus::simplify

@@ -13,11 +13,19 @@ namespace colossus::simplify {
 // A bit per face of the cells that a vertex lies on.
 using FaceMask = std::uint32_t;
 
+// A point of the input that is carried along to measure how far the surface deviates from it.
+struct SurfaceSample {
+  mesh::Point position;
+  std::uint32_t anchor = 0;  // a vertex of the nearest triangle
+  float distance = 0.0F;     // to the surface, lattice units
+  std::uint32_t cell = 0;    // of the nearest triangle
+};
+
 struct Region {
   mesh::Mesh mesh;
   std::vector<FaceMask> faces;          // per vertex
-  std::vector<float> deviations;        // per vertex: upper estimate of the distance to the input here, lattice units
   std::vector<std::uint8_t> cells;      // per triangle: the convex cell that holds it
+  std::vector<SurfaceSample> samples;
   FaceMask outer_faces = 0;             // faces shared with others: vertices on them stay
   std::vector<std::array<geometry::Plane, 4>> cell_planes;  // per cell, positive inside
 };

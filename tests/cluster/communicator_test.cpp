@@ -29,9 +29,9 @@ Bytes message(int from, int to, int round, std::size_t longest = 300'000) {
 class CommunicatorTest : public ::testing::TestWithParam<std::size_t> {
  protected:
   CommunicatorTest() { world().set_piece_bytes(GetParam()); }
-  ~CommunicatorTest() override { world().set_piece_bytes(std::size_t{1} << 28); }
+  ~CommunicatorTest() override { world().set_piece_bytes(kDefaultPieceBytes); }
 };
-INSTANTIATE_TEST_SUITE_P(PieceBytes, CommunicatorTest, ::testing::Values(1000, 65'536, 1 << 28));
+INSTANTIATE_TEST_SUITE_P(PieceBytes, CommunicatorTest, ::testing::Values(1000, 65'536, kDefaultPieceBytes));
 
 TEST_P(CommunicatorTest, BroadcastGivesAllRanksTheBytesOfTheRoot) {
   for (int root = 0; root < world().size(); ++root) {

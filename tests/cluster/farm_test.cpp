@@ -81,7 +81,7 @@ TEST(Farm, RunsRandomNumbersOfTasksWithLargeTasksAndResults) {
 TEST(Farm, SplitsMessagesIntoPieces) {
   world().set_piece_bytes(1000);
   expect_complete(30, 20'000);
-  world().set_piece_bytes(std::size_t{1} << 28);
+  world().set_piece_bytes(kDefaultPieceBytes);
 }
 
 TEST(Farm, ManyFarmsInARowDoNotMixTheirMessages) {

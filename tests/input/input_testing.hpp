@@ -1,5 +1,5 @@
-// What the tests of the readers share: files in a temporary folder, a sink that keeps everything, and a PLY writer that
-// can write what is wrong.
+// What the tests of the readers share: files in a temporary folder, a sink that keeps everything, and a PLY
+// writer that can write what is wrong.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -122,7 +122,8 @@ inline void expect_bad(const std::filesystem::path& path, std::initializer_list<
                        const SourceOptions& options = {}) {
   const std::string message = bad_data_message(path, options);
   EXPECT_NE(message.find(path.string()), std::string::npos) << message;
-  for (const std::string_view part : parts) EXPECT_NE(message.find(part), std::string::npos) << message << " / " << part;
+  for (const std::string_view part : parts)
+    EXPECT_NE(message.find(part), std::string::npos) << message << " / " << part;
 }
 
 enum class BodyFormat { kAscii, kLittle, kBig };

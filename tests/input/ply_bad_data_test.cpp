@@ -11,15 +11,17 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Three vertices, and faces as given.
-std::string small_file(BodyFormat format, const std::vector<std::vector<double>>& faces, std::string_view index_type = "int",
-                       double third_x = 0) {
+std::string small_file(BodyFormat format, const std::vector<std::vector<double>>& faces,
+                       std::string_view index_type = "int", double third_x = 0) {
   PlyBody body(format);
   body.put("float", 0).put("float", 0).put("float", 0).end_row();
   body.put("float", 1).put("float", 0).put("float", 0).end_row();
   body.put("float", third_x).put("float", 1).put("float", 0).end_row();
   for (const auto& face : faces) body.list("uchar", index_type, face).end_row();
-  return ply_header(format, fmt::format("element vertex 3\n{}element face {}\nproperty list uchar {} vertex_indices\n",
-                                        kFloatVertex, faces.size(), index_type)) +
+  return ply_header(
+             format,
+             fmt::format("element vertex 3\n{}element face {}\nproperty list uchar {} vertex_indices\n",
+                         kFloatVertex, faces.size(), index_type)) +
          body.bytes();
 }
 
@@ -64,10 +66,13 @@ TEST(PlyBadData, AnIndexOutOfRangeNamesTheFace) {
   for (const BodyFormat format : kFormats) {
     expect_bad(folder.write("i.ply", small_file(format, {{0, 1, 2}, {0, 1, 3}})),
                {"face 1", "vertex index 3 is out of range", "expected 0 to 2"});
-    expect_bad(folder.write("i.ply", small_file(format, {{0, 1, 2}, {0, 1, 2}, {0, -1, 2}})), {"face 2", "index -1"});
-    expect_bad(folder.write("i.ply", small_file(format, {{0, 1, 2}, {0, 200, 2}}, "uchar")), {"face 1", "index 200"});
+    expect_bad(folder.write("i.ply", small_file(format, {{0, 1, 2}, {0, 1, 2}, {0, -1, 2}})),
+               {"face 2", "index -1"});
+    expect_bad(folder.write("i.ply", small_file(format, {{0, 1, 2}, {0, 200, 2}}, "uchar")),
+               {"face 1", "index 200"});
     // Polygons take the sequential path; indices of faces that are skipped are checked too.
-    expect_bad(folder.write("i.ply", small_file(format, {{0, 1, 2, 0}, {0, 1, 2, 7}})), {"face 1", "index 7"});
+    expect_bad(folder.write("i.ply", small_file(format, {{0, 1, 2, 0}, {0, 1, 2, 7}})),
+               {"face 1", "index 7"});
     expect_bad(folder.write("i.ply", small_file(format, {{0, 1, 2}, {9}})), {"face 1", "index 9"});
   }
 }
@@ -78,11 +83,13 @@ TEST(PlyBadData, StripsRestartAtMinusOneOnly) {
     PlyBody body(format);
     for (int i = 0; i < 3; ++i) body.put("float", i).put("float", 0).put("float", 0).end_row();
     body.list("int", "int", {0, 1, 2, -2}).end_row();
-    expect_bad(folder.write("s.ply", ply_header(format, fmt::format("element vertex 3\n{}element tristrips 1\nproperty list "
-                                                                    "int int vertex_indices\n",
-                                                                    kFloatVertex)) +
-                                         body.bytes()),
-               {"tristrips 0", "index -2"});
+    expect_bad(
+        folder.write("s.ply",
+                     ply_header(format, fmt::format("element vertex 3\n{}element tristrips 1\nproperty list "
+                                                    "int int vertex_indices\n",
+                                                    kFloatVertex)) +
+                         body.bytes()),
+        {"tristrips 0", "index -2"});
   }
 }
 
@@ -91,7 +98,10 @@ TEST(PlyBadData, CoordinatesMustBeFinite) {
   for (const BodyFormat format : kFormats) {
     for (const double value : {kNan, kInfinity, -kInfinity})
       expect_bad(folder.write("n.ply", small_file(format, {{0, 1, 2}}, "int", value)),
-                 {"vertex 2", "coordinate x", "finite", value > 0 ? "inf" : value < 0 ? "-inf" : "nan"});
+                 {"vertex 2", "coordinate x", "finite",
+                  value > 0   ? "inf"
+                  : value < 0 ? "-inf"
+                              : "nan"});
   }
 }
 
@@ -101,11 +111,13 @@ TEST(PlyBadData, ColoursMustBeNumbers) {
     PlyBody body(format);
     for (const double value : {0.0, 0.0, 0.0, 0.5, kNan, 0.5}) body.put("float", value);
     body.end_row();
-    expect_bad(folder.write("c.ply", ply_header(format, fmt::format("element vertex 1\n{}property float red\nproperty float "
-                                                                    "green\nproperty float blue\n",
-                                                                    kFloatVertex)) +
-                                         body.bytes()),
-               {"vertex 0", "colour green"});
+    expect_bad(
+        folder.write("c.ply",
+                     ply_header(format, fmt::format("element vertex 1\n{}property float red\nproperty float "
+                                                    "green\nproperty float blue\n",
+                                                    kFloatVertex)) +
+                         body.bytes()),
+        {"vertex 0", "colour green"});
   }
 }
 
@@ -145,7 +157,9 @@ TEST(PlyBadData, CountsThatLieAreErrorsWithoutAllocation) {
 TEST(PlyBadData, AbsurdListCountsAreErrorsWithoutAllocation) {
   const TemporaryFolder folder;
   const std::string lines = fmt::format(
-      "element vertex 3\n{}element face 1\nproperty list int int vertex_indices\nproperty list int int more\n", kFloatVertex);
+      "element vertex 3\n{}element face 1\nproperty list int int vertex_indices\nproperty list int int "
+      "more\n",
+      kFloatVertex);
   for (const BodyFormat format : kFormats) {
     for (const double count : {2147483647.0, -5.0}) {
       for (const bool in_second_list : {false, true}) {
@@ -153,7 +167,8 @@ TEST(PlyBadData, AbsurdListCountsAreErrorsWithoutAllocation) {
         for (int i = 0; i < 3; ++i) body.put("float", i).put("float", 0).put("float", 0).end_row();
         if (in_second_list) body.list("int", "int", {0, 1, 2});
         body.put("int", count).put("int", 0).put("int", 1).end_row();
-        expect_bad(folder.write("l.ply", ply_header(format, lines) + body.bytes()), {"face 0"});
+        expect_bad(folder.write("l.ply", ply_header(format, lines) + body.bytes()),
+                   {"face 0", count < 0 ? "has count -5; expected at least 0" : "truncated in face 0"});
       }
     }
   }
@@ -161,35 +176,48 @@ TEST(PlyBadData, AbsurdListCountsAreErrorsWithoutAllocation) {
 
 TEST(PlyBadData, TextRowsMustHaveTheirProperties) {
   const TemporaryFolder folder;
-  const std::string header = ply_header(BodyFormat::kAscii, fmt::format("element vertex 2\n{}element face 1\nproperty list "
-                                                                        "uchar int vertex_indices\n",
-                                                                        kFloatVertex));
-  expect_bad(folder.write("a.ply", header + "0 0 0 4\n1 1 1\n3 0 1 1\n"), {"vertex 0", "end of the line", "'4'"});
+  const std::string header =
+      ply_header(BodyFormat::kAscii, fmt::format("element vertex 2\n{}element face 1\nproperty list "
+                                                 "uchar int vertex_indices\n",
+                                                 kFloatVertex));
+  expect_bad(folder.write("a.ply", header + "0 0 0 4\n1 1 1\n3 0 1 1\n"),
+             {"vertex 0", "end of the line", "'4'"});
   expect_bad(folder.write("a.ply", header + "0 0\n1 1 1\n3 0 1 1\n"), {"vertex 0", "end of the line", "'1'"});
-  expect_bad(folder.write("a.ply", header + "0 0 0\n1 y 1\n3 0 1 1\n"), {"vertex 1", "property y", "number", "'y'"});
+  expect_bad(folder.write("a.ply", header + "0 0 0\n1 y 1\n3 0 1 1\n"),
+             {"vertex 1", "property y", "number", "'y'"});
   expect_bad(folder.write("a.ply", header + "0 0 0\n1 1 1\n3 0 1.5 1\n"), {"face 0", "integer", "'1.5'"});
-  expect_bad(folder.write("a.ply", header + "0 0 0\n1 1 1e999\n3 0 1 1\n"), {"vertex 1", "coordinate z is inf"});
-  expect_bad(folder.write("a.ply", header + std::string(5000, '1') + " 0 0\n1 1 1\n3 0 1 1\n"), {"line 1", "word"});
+  expect_bad(folder.write("a.ply", header + "0 0 0\n1 1 1e999\n3 0 1 1\n"),
+             {"vertex 1", "coordinate z is inf"});
+  expect_bad(folder.write("a.ply", header + std::string(5000, '1') + " 0 0\n1 1 1\n3 0 1 1\n"),
+             {"line 1", "word"});
 }
 
 TEST(PlyBadData, HeadersThatAreMalformedNameTheLine) {
   const TemporaryFolder folder;
   const std::string vertex = fmt::format("element vertex 1\n{}", kFloatVertex);
-  const auto header = [&](const std::string& lines) { return folder.write("h.ply", "ply\n" + lines + "end_header\n0 0 0\n"); };
+  const auto header = [&](const std::string& lines) {
+    return folder.write("h.ply", "ply\n" + lines + "end_header\n0 0 0\n");
+  };
   ASSERT_NO_THROW(collect(header("format ascii 1.0\n" + vertex)));
   expect_bad(header(vertex), {"header line 6", "format"});
   expect_bad(header("format ascii 2.0\n" + vertex), {"header line 2", "version 1.0", "'format ascii 2.0'"});
   expect_bad(header("format binary 1.0\n" + vertex), {"header line 2", "'format binary 1.0'"});
   expect_bad(header("format ascii 1.0\nformat ascii 1.0\n" + vertex), {"header line 3"});
   expect_bad(header("format ascii 1.0\nproperty float x\n" + vertex), {"header line 3", "element"});
-  expect_bad(header("format ascii 1.0\n" + vertex + "property float x\n"), {"header line 7", "different names"});
-  expect_bad(header("format ascii 1.0\n" + vertex + "element vertex 1\n"), {"header line 7", "different names"});
+  expect_bad(header("format ascii 1.0\n" + vertex + "property float x\n"),
+             {"header line 7", "different names"});
+  expect_bad(header("format ascii 1.0\n" + vertex + "element vertex 1\n"),
+             {"header line 7", "different names"});
   expect_bad(header("format ascii 1.0\n" + vertex + "property quaternion q\n"), {"header line 7", "type"});
-  expect_bad(header("format ascii 1.0\n" + vertex + "property list float int q\n"), {"header line 7", "integer type"});
-  expect_bad(header("format ascii 1.0\n" + vertex + "properties float q\n"), {"header line 7", "'properties float q'"});
-  expect_bad(header("format ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"), {"x, y and z"});
-  expect_bad(header("format ascii 1.0\n" + vertex + "element face 1\nproperty list uchar float vertex_indices\n"),
-             {"element face", "vertex_indices"});
+  expect_bad(header("format ascii 1.0\n" + vertex + "property list float int q\n"),
+             {"header line 7", "integer type"});
+  expect_bad(header("format ascii 1.0\n" + vertex + "properties float q\n"),
+             {"header line 7", "'properties float q'"});
+  expect_bad(header("format ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"),
+             {"x, y and z"});
+  expect_bad(
+      header("format ascii 1.0\n" + vertex + "element face 1\nproperty list uchar float vertex_indices\n"),
+      {"element face", "vertex_indices"});
   expect_bad(header("format ascii 1.0\nelement vertex 0\n" + std::string(kFloatVertex)), {"no vertices"});
   expect_bad(header("format ascii 1.0\n"), {"element vertex"});
   expect_bad(folder.write("h.ply", "ply\n" + std::string(3 << 20, 'x')), {"end_header"});

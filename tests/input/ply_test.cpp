@@ -44,8 +44,9 @@ class RandomPly {
   std::string one_of(const std::vector<std::string>& names) { return names[pick(names.size())]; }
 
   std::string text_header() const {
-    const std::string text = fmt::format("ply\nformat {} 1.0\ncomment made by a test\nobj_info number 1\n{}end_header\n",
-                                         format_name(format_), header_);
+    const std::string text =
+        fmt::format("ply\nformat {} 1.0\ncomment made by a test\nobj_info number 1\n{}end_header\n",
+                    format_name(format_), header_);
     if (!crlf_) return text;
     std::string result;
     for (const char c : text) result += c == '\n' ? std::string("\r\n") : std::string(1, c);
@@ -55,7 +56,8 @@ class RandomPly {
   void choose_vertex_properties() {
     crlf_ = pick(3) == 0;
     const std::vector<std::string> floats = {"float", "double", "float32", "float64"};
-    const std::string position_type = pick(5) == 0 ? one_of({"short", "int", "char", "uint8"}) : one_of(floats);
+    const std::string position_type =
+        pick(5) == 0 ? one_of({"short", "int", "char", "uint8"}) : one_of(floats);
     for (int i = 0; i < 3; ++i) properties_.push_back({std::string(1, "xyz"[i]), position_type, "", i});
     if (pick(2) == 0) {
       const std::string type = one_of(floats);
@@ -66,8 +68,9 @@ class RandomPly {
       const bool is_short = prefix.empty() && pick(3) == 0;
       const std::string type = one_of({"uchar", "uint8", "float", "double", "ushort", "int"});
       has_alpha_ = pick(2) == 0;
-      const std::vector<std::string> names = is_short ? std::vector<std::string>{"r", "g", "b", "a"}
-                                                      : std::vector<std::string>{"red", "green", "blue", "alpha"};
+      const std::vector<std::string> names = is_short
+                                                 ? std::vector<std::string>{"r", "g", "b", "a"}
+                                                 : std::vector<std::string>{"red", "green", "blue", "alpha"};
       for (std::size_t i = 0; i < (has_alpha_ ? 4 : 3); ++i)
         properties_.push_back({prefix + names[i], type, "", 6 + static_cast<int>(i)});
     }
@@ -80,8 +83,10 @@ class RandomPly {
 
   // A value that the type can hold, so that it must come back exactly.
   double random_value(const std::string& type) {
-    if (type == "double" || type == "float64") return (static_cast<double>(random_() >> 11) - 4503599627370496.0) / 1e9;
-    if (type == "float" || type == "float32") return static_cast<float>(static_cast<double>(random_()) / 1e15 - 9000);
+    if (type == "double" || type == "float64")
+      return (static_cast<double>(random_() >> 11) - 4503599627370496.0) / 1e9;
+    if (type == "float" || type == "float32")
+      return static_cast<float>(static_cast<double>(random_()) / 1e15 - 9000);
     return static_cast<double>(pick(120));
   }
 
@@ -94,9 +99,9 @@ class RandomPly {
   void add_vertices(std::size_t count) {
     header_ += fmt::format("element vertex {}\n", count);
     for (const Property& property : properties_)
-      header_ += property.count_type.empty()
-                     ? fmt::format("property {} {}\n", property.type, property.name)
-                     : fmt::format("property list {} {} {}\n", property.count_type, property.type, property.name);
+      header_ += property.count_type.empty() ? fmt::format("property {} {}\n", property.type, property.name)
+                                             : fmt::format("property list {} {} {}\n", property.count_type,
+                                                           property.type, property.name);
     PlyBody body(format_);
     for (std::size_t row = 0; row < count; ++row) {
       std::array<double, 3> position{};
@@ -120,7 +125,8 @@ class RandomPly {
       body.end_row(crlf_ ? "\r\n" : "\n");
       positions.push_back(position);
       const auto has = [&](int slot) {
-        return std::any_of(properties_.begin(), properties_.end(), [&](const Property& p) { return p.slot == slot; });
+        return std::any_of(properties_.begin(), properties_.end(),
+                           [&](const Property& p) { return p.slot == slot; });
       };
       if (has(3)) normals.push_back(normal);
       if (has(6)) colors.push_back(color);
@@ -133,13 +139,15 @@ class RandomPly {
     if (vertex_count > 30000) index_types.resize(4);
     if (vertex_count <= 100) index_types.insert(index_types.end(), {"uchar", "char", "int8"});
     const std::string index_type = one_of(index_types);
-    const std::string count_type = one_of({"uchar", "char", "uint8", "short", "ushort", "int", "uint", "uint32"});
+    const std::string count_type =
+        one_of({"uchar", "char", "uint8", "short", "ushort", "int", "uint", "uint32"});
     const std::string flag = pick(3) == 0 ? "before" : pick(2) == 0 ? "after" : "";
     const bool extra_list = !only_triangles_ && pick(3) == 0;
     header_ += fmt::format("element face {}\n", count);
     if (extra_list) header_ += "property list uchar float weights\n", skipped.push_back("face.weights");
     if (flag == "before") header_ += "property uchar flag\n";
-    header_ += fmt::format("property list {} {} {}\n", count_type, index_type, one_of({"vertex_indices", "vertex_index"}));
+    header_ += fmt::format("property list {} {} {}\n", count_type, index_type,
+                           one_of({"vertex_indices", "vertex_index"}));
     if (flag == "after") header_ += "property uchar flag\n";
     if (!flag.empty()) skipped.push_back("face.flag");
     PlyBody body(format_);
@@ -163,7 +171,8 @@ class RandomPly {
   void add_unknown(const std::string& name) {
     const std::size_t count = pick(4);
     const bool has_list = pick(2) == 0;
-    header_ += fmt::format("element {} {}\nproperty int a\n{}", name, count, has_list ? "property list int int b\n" : "");
+    header_ += fmt::format("element {} {}\nproperty int a\n{}", name, count,
+                           has_list ? "property list int int b\n" : "");
     PlyBody body(format_);
     for (std::size_t row = 0; row < count; ++row) {
       body.put("int", 5);
@@ -230,9 +239,10 @@ std::string big_triangle_file(Triangles& triangles) {
     triangles.push_back({i % kVertices, (7 * i) % kVertices, (i + 5) % kVertices});
     body.list("uchar", "int", {triangles[i].begin(), triangles[i].end()});
   }
-  return ply_header(BodyFormat::kLittle,
-                    fmt::format("element vertex {}\n{}element face {}\nproperty list uchar int vertex_indices\n", kVertices,
-                                kFloatVertex, kFaces)) +
+  return ply_header(
+             BodyFormat::kLittle,
+             fmt::format("element vertex {}\n{}element face {}\nproperty list uchar int vertex_indices\n",
+                         kVertices, kFloatVertex, kFaces)) +
          body.bytes();
 }
 
@@ -269,15 +279,16 @@ TEST(Ply, FacesThatOnlyAddUpToTrianglesAreReadSequentially) {
   PlyBody body(BodyFormat::kLittle);
   for (int i = 0; i < 4; ++i) body.put("float", i).put("float", 0).put("float", 0);
   body.list("uchar", "int", {0, 1});
-  // From here on every row is four bytes before the place where triangles would put it: the count of three that a
-  // reader sees in the second part is an index, and what follows is no index.
+  // From here on every row is four bytes before the place where triangles would put it: the count of three
+  // that a reader sees in the second part is an index, and what follows is no index.
   for (std::uint32_t i = 2; i < kFaces; ++i) body.list("uchar", "int", {3, 3, 3});
   body.list("uchar", "int", {0, 1, 2, 3});
   const auto source = open_source(folder.write(
-      "mixed.ply", ply_header(BodyFormat::kLittle,
-                              fmt::format("element vertex 4\n{}element face {}\nproperty list uchar int vertex_indices\n",
-                                          kFloatVertex, kFaces)) +
-                       body.bytes()));
+      "mixed.ply",
+      ply_header(BodyFormat::kLittle,
+                 fmt::format("element vertex 4\n{}element face {}\nproperty list uchar int vertex_indices\n",
+                             kFloatVertex, kFaces)) +
+          body.bytes()));
   const auto parts = source->parts();
   ASSERT_EQ(parts.size(), 3U);
   for (std::size_t i = 1; i < 3; ++i) {
@@ -297,24 +308,41 @@ TEST(Ply, FacesThatOnlyAddUpToTrianglesAreReadSequentially) {
 // As above, but the shifted rows look like triangles: only the faces before them tell.
 TEST(Ply, AnIndexOutOfRangeIsNoErrorWhereEarlierFacesAreNotTriangles) {
   const TemporaryFolder folder;
-  constexpr std::uint32_t kFaces = 2 * kBlockElements;
+  constexpr std::uint32_t kFaces = 3 * kBlockElements;
   constexpr int kVertices = 1100;
   PlyBody body(BodyFormat::kLittle);
   for (int i = 0; i < kVertices; ++i) body.put("float", i).put("float", 0).put("float", 0);
   body.list("uchar", "ushort", {0, 1});
-  // Rows of seven bytes, 3 FF 03 .. .. .. .., read from the third one on: a count of 3, two indices that are right, and
-  // the index 3 FF, which is 65283.
+  // Rows of seven bytes, 3 FF 03 .. .. .. .., read from the third one on: a count of 3, two indices that are
+  // right, and the index 3 FF, which is 65283.
   for (std::uint32_t i = 2; i < kFaces; ++i) body.list("uchar", "ushort", {0x03FF, 1, 2});
   body.list("uchar", "ushort", {0, 1, 2, 3});
-  const auto source = open_source(
-      folder.write("mixed.ply", ply_header(BodyFormat::kLittle, fmt::format("element vertex {}\n{}element face {}\nproperty "
-                                                                            "list uchar ushort vertex_indices\n",
-                                                                            kVertices, kFloatVertex, kFaces)) +
-                                    body.bytes()));
-  ASSERT_EQ(source->parts().size(), 3U);
+  const auto source = open_source(folder.write(
+      "mixed.ply",
+      ply_header(BodyFormat::kLittle, fmt::format("element vertex {}\n{}element face {}\nproperty "
+                                                  "list uchar ushort vertex_indices\n",
+                                                  kVertices, kFloatVertex, kFaces)) +
+          body.bytes()));
+  ASSERT_EQ(source->parts().size(), 4U);
   Collected part;
   EXPECT_FALSE(source->read(source->parts()[2], part));
   EXPECT_EQ(collect(*source).faces.size(), kFaces);
+}
+
+// The faces are a byte longer than triangles, and the file ends in what could be white space behind a shorter
+// one.
+TEST(Ply, VerticesBehindFacesOfAnySizeAreFound) {
+  const TemporaryFolder folder;
+  PlyBody body(BodyFormat::kLittle);
+  body.list("uchar", "uchar", {0, 1, 2, 0}).list("uchar", "uchar", {2, 1, 0});
+  for (int i = 0; i < 3; ++i) body.put("uchar", i).put("uchar", 7).put("uchar", ' ');
+  const Collected read = collect(folder.write(
+      "v.ply", ply_header(BodyFormat::kLittle,
+                          "element face 2\nproperty list uchar uchar vertex_indices\nelement vertex "
+                          "3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n") +
+                   body.bytes()));
+  EXPECT_EQ(read.positions, (std::vector<std::array<double, 3>>{{0, 7, 32}, {1, 7, 32}, {2, 7, 32}}));
+  EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {0, 2, 0}, {2, 1, 0}}));
 }
 
 TEST(Ply, TriangleStripsAlternateAndRestart) {
@@ -324,10 +352,11 @@ TEST(Ply, TriangleStripsAlternateAndRestart) {
     for (int i = 0; i < 6; ++i) body.put("float", i).put("float", 0).put("float", 0).end_row();
     body.list("int", "int", {0, 1, 2, 3, 4, -1, 2, 1, 5, -1, 0, 1, -1}).end_row();
     const auto path = folder.write(
-        "strips.ply", ply_header(format, fmt::format("element vertex 6\n{}element tristrips 1\nproperty list int int "
-                                                     "vertex_indices\n",
-                                                     kFloatVertex)) +
-                          body.bytes());
+        "strips.ply",
+        ply_header(format, fmt::format("element vertex 6\n{}element tristrips 1\nproperty list int int "
+                                       "vertex_indices\n",
+                                       kFloatVertex)) +
+            body.bytes());
     const Collected read = collect(path);
     EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {2, 1, 5}}));
     EXPECT_EQ(read.odd.small, 1U) << "the strip of two corners";
@@ -345,8 +374,9 @@ TEST(Ply, PolygonsLongerThanTheBufferAreFans) {
     body.list("uint", "int", indices).end_row();
     const Collected read = collect(folder.write(
         "fan.ply",
-        ply_header(format, fmt::format("element vertex 5\n{}element face 1\nproperty list uint int vertex_index\n",
-                                       kFloatVertex)) +
+        ply_header(format,
+                   fmt::format("element vertex 5\n{}element face 1\nproperty list uint int vertex_index\n",
+                               kFloatVertex)) +
             body.bytes()));
     ASSERT_EQ(read.faces.size(), kCorners - 2);
     EXPECT_EQ(read.faces[7], (std::array<std::uint32_t, 3>{0, 8 % 5, 9 % 5}));
@@ -361,17 +391,19 @@ std::string one_triangle(std::string_view header_lines, std::string_view rows) {
 TEST(Ply, FloatColoursAreScaledRoundedAndClamped) {
   const TemporaryFolder folder;
   const Collected read = collect(folder.write(
-      "c.ply", one_triangle("element vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float "
-                            "red\nproperty float green\nproperty float blue\n",
-                            "0 0 0 0.5 1.5 -1\n0 0 0 0.001 1 0.25\n")));
+      "c.ply",
+      one_triangle("element vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+                   "red\nproperty float green\nproperty float blue\n",
+                   "0 0 0 0.5 1.5 -1\n0 0 0 0.001 1 0.25\n")));
   EXPECT_EQ(read.colors[0], (std::array<std::uint8_t, 4>{128, 255, 0, 255}));
   EXPECT_EQ(read.colors[1], (std::array<std::uint8_t, 4>{0, 255, 64, 255}));
 }
 
 TEST(Ply, TextKeepsDoublePrecisionWhateverTheHeaderSays) {
   const TemporaryFolder folder;
-  const Collected read = collect(folder.write(
-      "d.ply", one_triangle(fmt::format("element vertex 1\n{}", kFloatVertex), "500000.001 +1e-3 -1e-400\n")));
+  const Collected read =
+      collect(folder.write("d.ply", one_triangle(fmt::format("element vertex 1\n{}", kFloatVertex),
+                                                 "500000.001 +1e-3 -1e-400\n")));
   EXPECT_EQ(read.positions[0], (std::array<double, 3>{500000.001, 0.001, 0}));
 }
 
@@ -384,23 +416,26 @@ TEST(Ply, NormalsThatAreNotFiniteAreUnknown) {
   PlyBody body(BodyFormat::kLittle);
   for (const double x : {std::numeric_limits<double>::infinity(), 0.0})
     for (const double value : {0.0, 0.0, 0.0, x, 1.0, 0.0}) body.put("float", value);
-  const Collected binary = collect(folder.write("n.ply", ply_header(BodyFormat::kLittle, header) + body.bytes()));
+  const Collected binary =
+      collect(folder.write("n.ply", ply_header(BodyFormat::kLittle, header) + body.bytes()));
   EXPECT_EQ(binary.normals, text.normals);
 }
 
 TEST(Ply, RowsMayGoOnOverSeveralLines) {
   const TemporaryFolder folder;
   const Collected read = collect(folder.write(
-      "l.ply", one_triangle(fmt::format("element vertex 3\n{}element face 1\nproperty list uchar int vertex_indices\n",
-                                        kFloatVertex),
-                            "0 0\n0\n\n1 0 0\n  0 1 0  \n3\n0 1\n2")));
+      "l.ply",
+      one_triangle(fmt::format("element vertex 3\n{}element face 1\nproperty list uchar int vertex_indices\n",
+                               kFloatVertex),
+                   "0 0\n0\n\n1 0 0\n  0 1 0  \n3\n0 1\n2")));
   EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}}));
 }
 
 TEST(Ply, HeadersMayEndTheirLinesWithReturnsAlone) {
   const TemporaryFolder folder;
-  std::string header = ply_header(BodyFormat::kLittle, "element vertex 1\nproperty uchar x\nproperty uchar y\nproperty "
-                                                       "uchar z\n");
+  std::string header = ply_header(BodyFormat::kLittle,
+                                  "element vertex 1\nproperty uchar x\nproperty uchar y\nproperty "
+                                  "uchar z\n");
   std::replace(header.begin(), header.end(), '\n', '\r');
   const Collected read = collect(folder.write("r.ply", header + "\n\r\t"));
   EXPECT_EQ(read.positions[0], (std::array<double, 3>{10, 13, 9}));
@@ -409,25 +444,32 @@ TEST(Ply, HeadersMayEndTheirLinesWithReturnsAlone) {
 TEST(Ply, TexturesAreRefusedUnlessDropped) {
   const TemporaryFolder folder;
   const std::string vertex = fmt::format("element vertex 1\n{}", kFloatVertex);
-  const auto st = folder.write("st.ply", one_triangle(vertex + "property float s\nproperty float t\n", "0 0 0 1 1\n"));
+  const auto st =
+      folder.write("st.ply", one_triangle(vertex + "property float s\nproperty float t\n", "0 0 0 1 1\n"));
   expect_bad(st, {"vertex.s", "vertex.t", "--drop-textures"});
   const auto source = open_source(st, {.drop_textures = true});
   EXPECT_EQ(source->info().textures, (std::vector<std::string>{"vertex.s", "vertex.t"}));
   EXPECT_EQ(collect(*source).positions.size(), 1U);
-  expect_bad(folder.write("u.ply", one_triangle(vertex + "property float texture_u\n", "0 0 0 1\n")), {"texture_u"});
-  expect_bad(folder.write("w.ply", one_triangle(vertex + "element face 0\nproperty list uchar int vertex_indices\n"
-                                                         "property list uchar float texcoord\n",
-                                                "0 0 0\n")),
-             {"face.texcoord"});
-  expect_bad(folder.write("f.ply", one_triangle("comment TextureFile skin.png\n" + vertex, "0 0 0\n")), {"skin.png"});
+  expect_bad(folder.write("u.ply", one_triangle(vertex + "property float texture_u\n", "0 0 0 1\n")),
+             {"texture_u"});
+  expect_bad(
+      folder.write("w.ply", one_triangle(vertex + "element face 0\nproperty list uchar int vertex_indices\n"
+                                                  "property list uchar float texcoord\n",
+                                         "0 0 0\n")),
+      {"face.texcoord"});
+  expect_bad(folder.write("f.ply", one_triangle("comment TextureFile skin.png\n" + vertex, "0 0 0\n")),
+             {"skin.png"});
   // A single s is no texture coordinate.
-  EXPECT_EQ(open_source(folder.write("s.ply", one_triangle(vertex + "property float s\n", "0 0 0 1\n")))->info().skipped,
+  EXPECT_EQ(open_source(folder.write("s.ply", one_triangle(vertex + "property float s\n", "0 0 0 1\n")))
+                ->info()
+                .skipped,
             (std::vector<std::string>{"vertex.s"}));
 }
 
 TEST(Ply, ReadsTheScansOfTheDataFolder) {
-  for (const auto& [name, vertices, triangles] :
-       {std::tuple{"armadillo.ply", 43243U, 86482U}, {"gargo.ply", 25002U, 50000U}, {"stanford-bunny.ply", 35947U, 69451U}}) {
+  for (const auto& [name, vertices, triangles] : {std::tuple{"armadillo.ply", 43243U, 86482U},
+                                                  {"gargo.ply", 25002U, 50000U},
+                                                  {"stanford-bunny.ply", 35947U, 69451U}}) {
     const auto path = std::filesystem::path(COLOSSUS_SHARED_DATA) / name;
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
     const Collected read = collect(path);

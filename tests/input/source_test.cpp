@@ -10,7 +10,8 @@ static_assert(std::is_trivially_copyable_v<Part>, "parts are sent to other ranks
 
 TEST(Source, ContentDecidesBeforeTheExtension) {
   const TemporaryFolder folder;
-  const std::string ply = ply_header(BodyFormat::kAscii, fmt::format("element vertex 1\n{}", kFloatVertex)) + "0 0 0\n";
+  const std::string ply =
+      ply_header(BodyFormat::kAscii, fmt::format("element vertex 1\n{}", kFloatVertex)) + "0 0 0\n";
   EXPECT_EQ(open_source(folder.write("a.obj", ply))->info().format, "PLY ascii");
   EXPECT_EQ(open_source(folder.write("a", "OFF\n1 0 0\n0 0 0\n"))->info().format, "OFF");
   EXPECT_EQ(open_source(folder.write("a", "# c\n\nv 0 0 0\n"))->info().format, "OBJ");
@@ -30,10 +31,11 @@ TEST(Source, FilesThatAreNoMeshAreBadData) {
 
 TEST(Source, DescribesTheFile) {
   const TemporaryFolder folder;
-  const std::string ply = ply_header(BodyFormat::kAscii, fmt::format("element vertex 1\n{}element face 0\nproperty list "
-                                                                     "uchar int vertex_index\n",
-                                                                     kFloatVertex)) +
-                          "0 0 0\n";
+  const std::string ply =
+      ply_header(BodyFormat::kAscii, fmt::format("element vertex 1\n{}element face 0\nproperty list "
+                                                 "uchar int vertex_index\n",
+                                                 kFloatVertex)) +
+      "0 0 0\n";
   const auto path = folder.write("a.ply", ply);
   const auto source = open_source(path);
   EXPECT_EQ(source->info().path, path);
@@ -46,10 +48,12 @@ TEST(Source, DescribesTheFile) {
 
 TEST(ExpandInputs, ListsAreRelativeToTheirFolder) {
   const TemporaryFolder folder;
-  const auto list = folder.write("list.txt", "\xEF\xBB\xBF# scans\n\na.ply\r\n  sub/b c.obj \n/abs/d.ply\n#x\n@e.ply");
-  const std::vector<std::string> arguments{"first.ply", "@" + list.string(), "last.ply"};
-  const std::vector<std::filesystem::path> expected{"first.ply", folder.path() / "a.ply", folder.path() / "sub/b c.obj",
-                                                    "/abs/d.ply", folder.path() / "@e.ply", "last.ply"};
+  const auto list =
+      folder.write("list.txt", "\xEF\xBB\xBF# scans\n\na.ply\r\n  sub/b c.obj \n/abs/d.ply\n#x\n@e.ply");
+  const std::vector<std::string> arguments{"first.ply", fmt::format("@{}", list.string()), "last.ply"};
+  const std::vector<std::filesystem::path> expected{
+      "first.ply",  folder.path() / "a.ply",  folder.path() / "sub/b c.obj",
+      "/abs/d.ply", folder.path() / "@e.ply", "last.ply"};
   EXPECT_EQ(expand_inputs(arguments), expected);
 }
 
@@ -64,8 +68,10 @@ TEST(ExpandInputs, ListsThatNameNothingAreBadData) {
     }
     return {};
   };
-  EXPECT_NE(message("@" + folder.write("l.txt", "# none\n").string()).find("found none"), std::string::npos);
-  EXPECT_NE(message("@" + (folder.path() / "missing.txt").string()).find("cannot open"), std::string::npos);
+  EXPECT_NE(message(fmt::format("@{}", folder.write("l.txt", "# none\n").string())).find("found none"),
+            std::string::npos);
+  EXPECT_NE(message(fmt::format("@{}", (folder.path() / "missing.txt").string())).find("cannot open"),
+            std::string::npos);
 }
 
 }  // namespace

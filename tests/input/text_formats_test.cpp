@@ -32,11 +32,20 @@ TEST(Obj, ReadsEveryFormOfFaces) {
 TEST(Obj, NegativeIndicesCountFromTheVerticesBeforeTheFace) {
   const TemporaryFolder folder;
   const Collected read = collect(folder.write(
-      "a.obj", std::string(kObjVertices) + "f 1 2 3\nf -4 -3 -2 -1\nf 1/7 2/7 \\\r\n 3/7\nf 1 2\nv 9 9 9\nf -1 -2 2"));
+      "a.obj",
+      std::string(kObjVertices) + "f 1 2 3\nf -4 -3 -2 -1\nf 1/7 2/7 \\\r\n 3/7\nf 1 2\nv 9 9 9\nf -1 -2 2"));
   EXPECT_EQ(read.positions, (Positions{{500000.001, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.001}, {9, 9, 9}}));
   EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {4, 3, 1}}));
   EXPECT_EQ(read.odd.polygons, 1U);
   EXPECT_EQ(read.odd.small, 1U);
+}
+
+TEST(Obj, LinesMayContinueWhereTheBufferEnds) {
+  const TemporaryFolder folder;
+  std::string file = std::string(kObjVertices) + "f 1 2";
+  file.resize((std::size_t{1} << 20) - 1, ' ');
+  const Collected read = collect(folder.write("b.obj", file + "\\\r\n 3\n"));
+  EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}}));
 }
 
 TEST(Obj, ReadsColoursOfBothScales) {
@@ -67,7 +76,8 @@ TEST(Obj, KeepsNormalsThatBelongToVertices) {
 
 TEST(Obj, RefusesTexturesAndMaterials) {
   const TemporaryFolder folder;
-  const auto path = folder.write("t.obj", std::string("mtllib a.mtl\n") + kObjVertices + "vt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
+  const auto path = folder.write(
+      "t.obj", std::string("mtllib a.mtl\n") + kObjVertices + "vt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
   expect_bad(path, {"mtllib, usemtl, vt", "--drop-textures"});
   EXPECT_EQ(collect(path, {.drop_textures = true}).faces.size(), 1U);
 }
@@ -94,14 +104,16 @@ TEST(Obj, BadDataNamesElementAndLine) {
 }
 
 std::string stl_facet(const char* a, const char* b, const char* c) {
-  return fmt::format("facet normal 0 0 1\n outer loop\n  vertex {}\n  vertex {}\n  vertex {}\n endloop\nendfacet\n", a, b, c);
+  return fmt::format(
+      "facet normal 0 0 1\n outer loop\n  vertex {}\n  vertex {}\n  vertex {}\n endloop\nendfacet\n", a, b,
+      c);
 }
 
 TEST(Stl, ReadsSolidsInText) {
   const TemporaryFolder folder;
-  const Collected read = collect(folder.write("a.stl", "solid a b\n" + stl_facet("500000.001 0 0", "1 0 0", "0 1 0") +
-                                                           "endsolid a b\nSOLID\r\n" +
-                                                           stl_facet("1 0 0", "1 0 0", "0 1 -2e-3") + "EndSolid"));
+  const Collected read = collect(folder.write(
+      "a.stl", "solid a b\n" + stl_facet("500000.001 0 0", "1 0 0", "0 1 0") + "endsolid a b\nSOLID\r\n" +
+                   stl_facet("1 0 0", "1 0 0", "0 1 -2e-3") + "EndSolid"));
   EXPECT_EQ(read.positions,
             (Positions{{500000.001, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 0, 0}, {0, 1, -0.002}}));
   EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {3, 4, 5}}));
@@ -109,7 +121,8 @@ TEST(Stl, ReadsSolidsInText) {
 
 TEST(Stl, TruncatedTextIsAnErrorAtEveryLength) {
   const TemporaryFolder folder;
-  const std::string file = "solid a\n" + stl_facet("0 0 0", "1 0 0", "0 1 0") + stl_facet("0 0 0", "1 0 0", "0 1 0") + "endsolid";
+  const std::string file =
+      "solid a\n" + stl_facet("0 0 0", "1 0 0", "0 1 0") + stl_facet("0 0 0", "1 0 0", "0 1 0") + "endsolid";
   ASSERT_EQ(collect(folder.write("cut.stl", file)).faces.size(), 2U);
   for (std::size_t size = 0; size < file.size(); ++size)
     ASSERT_FALSE(bad_data_message(folder.write("cut.stl", file.substr(0, size))).empty()) << size;
@@ -123,11 +136,13 @@ TEST(Stl, BadTextNamesTriangleAndLine) {
              {"triangle 1 (line 12)", "a number", "found x"});
   expect_bad(folder.write("b.stl", start + stl_facet("0 0 0", "1 0 0", "0 nan 0") + "endsolid\n"),
              {"vertex 5", "coordinate y is nan"});
-  expect_bad(folder.write("b.stl", start + "face\n"), {"triangle 1 (line 9)", "expected facet", "found face"});
+  expect_bad(folder.write("b.stl", start + "face\n"),
+             {"triangle 1 (line 9)", "expected facet", "found face"});
   expect_bad(folder.write("b.stl", "solid\nendsolid\n"), {"no vertices"});
 }
 
-std::string binary_stl(const std::vector<std::array<std::array<float, 3>, 3>>& triangles, std::string header = {}) {
+std::string binary_stl(const std::vector<std::array<std::array<float, 3>, 3>>& triangles,
+                       std::string header = {}) {
   header.resize(80);
   const auto count = static_cast<std::uint32_t>(triangles.size());
   header.append(reinterpret_cast<const char*>(&count), 4);
@@ -170,17 +185,21 @@ TEST(Stl, BadBinaryFilesAreErrors) {
   const std::string file = binary_stl(triangles);
   for (std::size_t size = 0; size < file.size(); ++size)
     ASSERT_FALSE(bad_data_message(folder.write("cut.stl", file.substr(0, size))).empty()) << size;
-  expect_bad(folder.write("cut.stl", file.substr(0, 190)), {"truncated in triangle 2", "expected 234 bytes, found 190"});
+  expect_bad(folder.write("cut.stl", file.substr(0, 190)),
+             {"truncated in triangle 2", "expected 234 bytes, found 190"});
   expect_bad(folder.write("long.stl", file + "x"), {"header lies", "expected 234 bytes, found 235"});
   triangles[2][1][0] = std::numeric_limits<float>::infinity();
-  expect_bad(folder.write("inf.stl", binary_stl(triangles)), {"triangle 2", "coordinate x of corner 1 is inf"});
+  expect_bad(folder.write("inf.stl", binary_stl(triangles)),
+             {"triangle 2", "coordinate x of corner 1 is inf"});
   expect_bad(folder.write("none.stl", binary_stl({})), {"no vertices"});
 }
 
 TEST(Off, ReadsEveryHeader) {
   const TemporaryFolder folder;
-  const std::string body = "0 0 0\n500000.001 0 0 # far\n\n# comment\n0 1 0\n0 0 1\n3 0 1 2\n4 0 1 2 3  255 0 0\n2 0 1\n";
-  for (const char* header : {"OFF\n4 3 0\n", "OFF 4 3 0\n", "OFF4 3 0\n", "# c\nOFF # c\n# c\n4 3\n", "4 3 0\n", "OFF\r\n4 3 5\r\n"}) {
+  const std::string body =
+      "0 0 0\n500000.001 0 0 # far\n\n# comment\n0 1 0\n0 0 1\n3 0 1 2\n4 0 1 2 3  255 0 0\n2 0 1\n";
+  for (const char* header : {"OFF\n4 3 0\n", "OFF 4 3 0\n", "OFF4 3 0\n", "# c\nOFF # c\n# c\n4 3\n",
+                             "4 3 0\n", "OFF\r\n4 3 5\r\n"}) {
     SCOPED_TRACE(header);
     const Collected read = collect(folder.write("a.off", header + body));
     EXPECT_EQ(read.positions, (Positions{{0, 0, 0}, {500000.001, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
@@ -194,12 +213,15 @@ TEST(Off, ReadsNormalsAndColours) {
   const TemporaryFolder folder;
   const Collected bytes = collect(folder.write("c.off", "COFF\n2 0 0\n0 0 0 1 0 255 9\n1 0 0 0 0 0 255\n"));
   EXPECT_EQ(bytes.colors, (Colors{{1, 0, 255, 9}, {0, 0, 0, 255}}));
-  const Collected floats = collect(folder.write("c.off", "CNOFF\n2 0 0\n0 0 0  0 0 1  1 0 0\n1 0 0  0 1 0  0 0.5 0\n"));
+  const Collected floats =
+      collect(folder.write("c.off", "CNOFF\n2 0 0\n0 0 0  0 0 1  1 0 0\n1 0 0  0 1 0  0 0.5 0\n"));
   EXPECT_EQ(floats.colors, (Colors{{255, 0, 0, 255}, {0, 128, 0, 255}}));
   EXPECT_EQ(floats.normals, (Normals{{0, 0, 1}, {0, 1, 0}}));
-  const auto textured = folder.write("c.off", "STCOFF\n1 0 0\n0 0 0 1 1 1 0.5 0.5\n");
+  const Collected ones = collect(folder.write("c.off", "COFF\n2 0 0\n0 0 0 1 0 0\n1 0 0 0 1 1\n"));
+  EXPECT_EQ(ones.colors, (Colors{{255, 0, 0, 255}, {0, 255, 255, 255}}));
+  const auto textured = folder.write("c.off", "STCOFF\n1 0 0\n0 0 0 8 8 8 0.5 0.5\n");
   expect_bad(textured, {"vertex.st", "--drop-textures"});
-  EXPECT_EQ(collect(textured, {.drop_textures = true}).colors, (Colors{{255, 255, 255, 255}}));
+  EXPECT_EQ(collect(textured, {.drop_textures = true}).colors, (Colors{{8, 8, 8, 255}}));
 }
 
 TEST(Off, TruncationIsAnErrorAtEveryLength) {

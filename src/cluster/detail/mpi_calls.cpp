@@ -3,6 +3,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <string>
 #include <thread>
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr int kYieldsBeforeSleep = 16;
 constexpr std::chrono::microseconds kFirstSleep{50};
+constexpr std::chrono::microseconds kLongestSleep{1000};
 
 }  // namespace
 
@@ -19,8 +21,12 @@ void check_mpi(int code, const char* call) {
   char text[MPI_MAX_ERROR_STRING] = "";
   int length = 0;
   MPI_Error_string(code, text, &length);
-  core::fail(core::Status::kIo, "{} failed: {}: the connection between the ranks is broken", call,
-             std::string(text, static_cast<std::size_t>(length)));
+  const std::string line =
+      fmt::format("colossus: error: {} failed: {}: the connection between the ranks is broken\n", call,
+                  std::string(text, static_cast<std::size_t>(length)));
+  std::fwrite(line.data(), 1, line.size(), stderr);
+  std::fflush(nullptr);
+  MPI_Abort(MPI_COMM_WORLD, static_cast<int>(core::Status::kIo));
 }
 
 void Backoff::pause() {
@@ -29,7 +35,7 @@ void Backoff::pause() {
     sched_yield();
     return;
   }
-  const std::chrono::microseconds sleep = std::min(std::max(slept_ / 4, kFirstSleep), longest_);
+  const std::chrono::microseconds sleep = std::clamp(slept_ / 4, kFirstSleep, kLongestSleep);
   std::this_thread::sleep_for(sleep);
   slept_ += sleep;
 }
@@ -39,16 +45,28 @@ void Backoff::reset() {
   yields_ = 0;
 }
 
-bool wait_politely(std::span<MPI_Request> requests, std::chrono::microseconds longest_sleep,
-                   std::optional<std::chrono::milliseconds> limit) {
+bool wait_politely(MPI_Request& request, std::optional<std::chrono::milliseconds> limit) {
   const auto start = std::chrono::steady_clock::now();
-  Backoff backoff(longest_sleep);
+  Backoff backoff;
   for (;;) {
     int done = 0;
-    check_mpi(MPI_Testall(static_cast<int>(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE),
-              "MPI_Testall");
+    check_mpi(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "MPI_Test");
     if (done != 0) return true;
     if (limit && std::chrono::steady_clock::now() - start > *limit) return false;
+    backoff.pause();
+  }
+}
+
+void wait_for_transfers(std::span<MPI_Request> requests) {
+  Backoff backoff;
+  std::vector<int> indices(requests.size());
+  for (;;) {
+    int completed = 0;
+    check_mpi(MPI_Testsome(static_cast<int>(requests.size()), requests.data(), &completed, indices.data(),
+                           MPI_STATUSES_IGNORE),
+              "MPI_Testsome");
+    if (completed == MPI_UNDEFINED) return;  // none is left
+    if (completed > 0) backoff.reset();
     backoff.pause();
   }
 }

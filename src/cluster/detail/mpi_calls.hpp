@@ -22,36 +22,34 @@ struct Communicator::Impl {
   MPI_Comm farewell = MPI_COMM_NULL;    // the ranks' last meeting, see run_ranks()
   int rank = 0;
   int size = 1;
-  std::size_t piece_bytes = std::size_t{1} << 28;
+  std::size_t piece_bytes = kDefaultPieceBytes;
 };
 
 namespace detail {
 
-// Throws Error(kIo) with MPI's text unless `code` is MPI_SUCCESS.
+// Unless `code` is MPI_SUCCESS, prints MPI's text and ends all ranks with status kIo. Not an exception: the
+// buffers of messages under way would be freed while MPI still reads and writes them.
 void check_mpi(int code, const char* call);
 
-// Longest sleeps between two polls. Long waits are for another rank to arrive. Short ones are for bytes under
-// way: MPI moves a part of them in each poll, so a long sleep would throttle them.
-inline constexpr std::chrono::microseconds kLongSleep{1000};
-inline constexpr std::chrono::microseconds kShortSleep{50};
-
-// Pauses between polls: a few yields, for answers that are almost there, then sleeps that grow with the time
-// already slept: up to a quarter of it, since waking up costs some 15 microseconds on a virtual machine.
+// Pauses between polls: a few yields, for answers that are almost there, then sleeps of at least 50
+// microseconds that grow with the time already slept, up to a quarter of it and at most a millisecond, since
+// waking up costs some 15 microseconds on a virtual machine.
 class Backoff {
  public:
-  explicit Backoff(std::chrono::microseconds longest) : longest_(longest) {}
   void pause();
   void reset();
 
  private:
-  std::chrono::microseconds longest_;
   std::chrono::microseconds slept_{0};
   int yields_ = 0;
 };
 
-// Waits for all requests. With a time limit, false when it is over.
-bool wait_politely(std::span<MPI_Request> requests, std::chrono::microseconds longest_sleep,
-                   std::optional<std::chrono::milliseconds> limit = std::nullopt);
+// Waits for one request. With a time limit, false when it is over.
+bool wait_politely(MPI_Request& request, std::optional<std::chrono::milliseconds> limit = std::nullopt);
+
+// Waits for sends and receives of many bytes. MPI moves a part of them in each poll, so a sleep between two
+// polls would throttle them: it sleeps only while no request becomes complete.
+void wait_for_transfers(std::span<MPI_Request> requests);
 
 // Posts one send or receive per piece of at most piece_bytes; none for no bytes.
 void start_sends(std::span<const std::byte> bytes, int to, int tag, MPI_Comm comm, std::size_t piece_bytes,

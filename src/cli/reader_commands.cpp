@@ -1,0 +1,109 @@
+// info, verify and extract: what a user does with a finished container.
+#include <cstdio>
+
+#include "cli/commands.hpp"
+#include "core/error.hpp"
+#include "core/log.hpp"
+#include "input/load.hpp"
+#include "reader/cut.hpp"
+#include "reader/distance.hpp"
+#include "reader/extract.hpp"
+#include "reader/info.hpp"
+#include "reader/verify.hpp"
+
+namespace colossus::cli {
+namespace {
+
+struct VerifyArguments {
+  std::string container;
+  std::vector<std::string> against;
+  std::size_t samples = reader::VerifyOptions{}.samples_per_node;
+  bool drop_textures = false;
+};
+
+int run_verify(const VerifyArguments& arguments) {
+  const reader::Statue statue(arguments.container);
+  reader::VerifyOptions options;
+  options.samples_per_node = arguments.samples;
+  input::LoadedMesh input;
+  std::optional<reader::SurfaceIndex> index;
+  if (!arguments.against.empty()) {
+    input = input::load_mesh(arguments.against, {arguments.drop_textures});
+    options.against = &index.emplace(reader::Surface{input.positions, input.triangles});
+  }
+  const reader::VerifyReport report = reader::verify(statue, options);
+  std::fputs(reader::to_text(report).c_str(), stdout);
+  if (!report.is_ok())
+    core::fail(core::Status::kBadData, "{}: verify found {} faults", arguments.container, report.total());
+  return 0;
+}
+
+struct ExtractArguments {
+  std::string container;
+  std::string output;
+  std::optional<std::uint32_t> level;
+  std::optional<double> error;
+  std::optional<std::uint64_t> triangles;
+};
+
+reader::Cut chosen_cut(const reader::Statue& statue, const ExtractArguments& arguments) {
+  if (arguments.level) return reader::cut_at_level(statue, *arguments.level);
+  if (arguments.error) return reader::cut_with_error(statue, *arguments.error);
+  return reader::cut_with_triangles(statue, *arguments.triangles);
+}
+
+int run_extract(const ExtractArguments& arguments) {
+  const reader::Statue statue(arguments.container);
+  const reader::Cut cut = chosen_cut(statue, arguments);
+  if (!cut.warning.empty()) core::warn("{}", cut.warning);
+  const reader::ExtractResult result = reader::extract(statue, cut, arguments.output);
+  core::log("{}: {} vertices, {} triangles{}", arguments.output, result.vertices, result.triangles,
+            result.has_doubles ? ", positions as doubles" : "");
+  return 0;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Action& chosen) {
+  struct Arguments {
+    std::string container;
+    bool json = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("info", "Show what is inside a container, per level");
+  command->add_option("container", arguments->container, "The container")->required();
+  command->add_flag("--json", arguments->json, "As JSON");
+  command->callback([&chosen, arguments] {
+    chosen = [arguments](int&, char**&) {
+      const reader::Statue statue(arguments->container);
+      std::fputs((arguments->json ? info_json(statue) : info_text(statue)).c_str(), stdout);
+      return 0;
+    };
+  });
+}
+
+void add_verify(CLI::App& app, Action& chosen) {
+  auto arguments = std::make_shared<VerifyArguments>();
+  CLI::App* command = app.add_subcommand("verify", "Check a container: bytes, structure, every face, every uniform cut");
+  command->add_option("container", arguments->container, "The container")->required();
+  command->add_option("--against", arguments->against, "The input files: check the stored errors by sampling");
+  command->add_option("--samples", arguments->samples, "Samples per node with --against")->capture_default_str();
+  command->add_flag("--drop-textures", arguments->drop_textures, "As for build");
+  command->callback([&chosen, arguments] { chosen = [arguments](int&, char**&) { return run_verify(*arguments); }; });
+}
+
+void add_extract(CLI::App& app, Action& chosen) {
+  auto arguments = std::make_shared<ExtractArguments>();
+  CLI::App* command = app.add_subcommand("extract", "Write a conforming cut as PLY");
+  command->add_option("container", arguments->container, "The container")->required();
+  command->add_option("-o,--output", arguments->output, "The PLY file to write")->required();
+  CLI::Option_group* cut = command->add_option_group("cut", "Which cut");
+  cut->add_option("--level", arguments->level, "Every tetrahedron of this level, or the leaf above it");
+  cut->add_option("--error", arguments->error, "The coarsest cut with at most this error, in the input's units")
+      ->check(CLI::NonNegativeNumber);
+  cut->add_option("--triangles", arguments->triangles, "The finest cut of a fixed order with at most so many triangles");
+  cut->require_option(1);
+  command->callback([&chosen, arguments] { chosen = [arguments](int&, char**&) { return run_extract(*arguments); }; });
+}
+
+}  // namespace colossus::cli

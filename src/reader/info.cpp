@@ -1,0 +1,180 @@
+#include "reader/info.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace colossus::reader {
+namespace {
+
+struct LevelRow {
+  std::uint32_t level = 0;
+  std::uint64_t nodes = 0;
+  std::uint64_t leaves = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t bytes = 0;
+  double error = 0.0;
+  double bits_per_vertex() const {
+    return vertices == 0 ? 0.0 : 8.0 * static_cast<double>(bytes) / static_cast<double>(vertices);
+  }
+};
+
+struct Summary {
+  std::vector<LevelRow> levels;
+  std::uint64_t above_limit = 0;
+  double quantisation_error = 0.0;
+};
+
+// How far a vertex can move when it is quantised at this level, in world units. The weights' changes sum to
+// 0, and those upwards sum to at most 1 unit (rounding up the k largest of four fractions that sum to k), so
+// the vertex moves by at most the tetrahedron's longest edge / 2^bits.
+double quantisation_bound(const Statue& statue, RowIndex row) {
+  const hierarchy::Diamond diamond = hierarchy::Diamond::at(statue.center(row));
+  const double length =
+      std::sqrt(static_cast<double>(geometry::squared_distance(diamond.ends[0], diamond.ends[1])));
+  return length * statue.lattice().step /
+         static_cast<double>(std::int64_t{1} << statue.metadata().position_bits);
+}
+
+Summary summarize(const Statue& statue) {
+  Summary summary;
+  for (RowIndex index = 0; index < statue.rows().size(); ++index) {
+    const container::NodeRow& row = statue.rows()[index];
+    if (summary.levels.empty() || summary.levels.back().level != row.level)
+      summary.levels.push_back({.level = row.level});
+    LevelRow& level = summary.levels.back();
+    ++level.nodes;
+    level.triangles += row.triangles;
+    level.vertices += row.vertices;
+    level.bytes += row.stored_bytes;
+    level.error = std::max(level.error, row.error);
+    if ((row.flags & container::kNodeIsAboveLimit) != 0) ++summary.above_limit;
+    if (!statue.is_leaf(index)) continue;
+    ++level.leaves;
+    summary.quantisation_error = std::max(summary.quantisation_error, quantisation_bound(statue, index));
+  }
+  return summary;
+}
+
+std::size_t column_size(const container::LevelColumn& column) {
+  return std::visit([](const auto& values) { return values.size(); }, column.values);
+}
+
+// The value of a stored column for a level, or a dash.
+std::string cell(const container::LevelColumn& column, std::uint32_t level) {
+  if (level >= column_size(column)) return "-";
+  return std::visit(
+      [&](const auto& values) { return fmt::format("{:.6g}", static_cast<double>(values[level])); },
+      column.values);
+}
+
+std::string cell_exact(const container::LevelColumn& column, std::uint32_t level) {
+  if (const auto* counts = std::get_if<std::vector<std::uint64_t>>(&column.values);
+      counts && level < counts->size())
+    return fmt::format("{}", (*counts)[level]);
+  return cell(column, level);
+}
+
+std::string level_table(const Statue& statue, const Summary& summary) {
+  std::vector<std::vector<std::string>> table{
+      {"level", "nodes", "leaves", "triangles", "vertices", "bytes", "bits/vertex", "error"}};
+  for (const auto& column : statue.metadata().levels) table.front().push_back(column.name);
+  for (const LevelRow& level : summary.levels) {
+    table.push_back({fmt::format("{}", level.level), fmt::format("{}", level.nodes),
+                     fmt::format("{}", level.leaves), fmt::format("{}", level.triangles),
+                     fmt::format("{}", level.vertices), fmt::format("{}", level.bytes),
+                     fmt::format("{:.2f}", level.bits_per_vertex()), fmt::format("{:.6g}", level.error)});
+    for (const auto& column : statue.metadata().levels)
+      table.back().push_back(cell_exact(column, level.level));
+  }
+  std::vector<std::size_t> widths(table.front().size(), 0);
+  for (const auto& line : table)
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  std::string text;
+  for (const auto& line : table) {
+    for (std::size_t i = 0; i < line.size(); ++i)
+      text += fmt::format("{}{:>{}}", i == 0 ? "" : "  ", line[i], widths[i]);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string info_text(const Statue& statue) {
+  const container::Metadata& meta = statue.metadata();
+  const Summary summary = summarize(statue);
+  std::string text = fmt::format("file                {} ({} bytes)\n", statue.container().path().string(),
+                                 statue.container().file_bytes());
+  text += fmt::format("schema              {}.{}, scheme {}\n", meta.schema_major, meta.schema_minor,
+                      meta.scheme);
+  text +=
+      fmt::format("lattice             origin {} {} {}, step {} (in the input's units)\n",
+                  meta.lattice.origin[0], meta.lattice.origin[1], meta.lattice.origin[2], meta.lattice.step);
+  text += fmt::format(
+      "positions           {} bits per weight; a leaf's vertex moves by at most {:.6g}, of which the lattice "
+      "{:.6g}\n",
+      meta.position_bits, summary.quantisation_error + statue.lattice().input_error(),
+      statue.lattice().input_error());
+  text += fmt::format("attributes          {}\n", meta.has_normals
+                                                      ? meta.has_colors ? "normals, colours" : "normals"
+                                                  : meta.has_colors ? "colours"
+                                                                    : "none");
+  for (const auto& option : meta.options)
+    text += fmt::format("option              {} = {}\n", option.name, option.value);
+  for (const auto& input : meta.inputs)
+    text += fmt::format("input               {} ({} bytes, {})\n", input.name, input.bytes, input.hash);
+  for (const auto& count : meta.counts)
+    text += fmt::format("input count         {} {}\n", count.name, count.value);
+  text += fmt::format("nodes               {}, of which {} leaves above the limit\n\n", statue.rows().size(),
+                      summary.above_limit);
+  return text + level_table(statue, summary);
+}
+
+std::string info_json(const Statue& statue) {
+  using nlohmann::ordered_json;
+  const container::Metadata& meta = statue.metadata();
+  const Summary summary = summarize(statue);
+  ordered_json json;
+  json["file"] = {{"path", statue.container().path().string()}, {"bytes", statue.container().file_bytes()}};
+  json["schema"] = {{"major", meta.schema_major}, {"minor", meta.schema_minor}};
+  json["scheme"] = meta.scheme;
+  json["lattice"] = {
+      {"origin", meta.lattice.origin}, {"step", meta.lattice.step}, {"root_bits", meta.lattice.root_bits}};
+  json["position_bits"] = meta.position_bits;
+  json["lattice_error"] = statue.lattice().input_error();
+  json["quantisation_error"] = summary.quantisation_error;
+  json["attributes"] = {{"normals", meta.has_normals}, {"colors", meta.has_colors}};
+  json["options"] = ordered_json::object();
+  for (const auto& option : meta.options) json["options"][option.name] = option.value;
+  json["inputs"] = ordered_json::array();
+  for (const auto& input : meta.inputs)
+    json["inputs"].push_back({{"name", input.name}, {"bytes", input.bytes}, {"hash", input.hash}});
+  json["counts"] = ordered_json::object();
+  for (const auto& count : meta.counts) json["counts"][count.name] = count.value;
+  json["nodes"] = statue.rows().size();
+  json["above_limit"] = summary.above_limit;
+  json["levels"] = ordered_json::array();
+  for (const LevelRow& level : summary.levels) {
+    ordered_json line{{"level", level.level},
+                      {"nodes", level.nodes},
+                      {"leaves", level.leaves},
+                      {"triangles", level.triangles},
+                      {"vertices", level.vertices},
+                      {"bytes", level.bytes},
+                      {"bits_per_vertex", level.bits_per_vertex()},
+                      {"error", level.error}};
+    for (const auto& column : meta.levels)
+      std::visit(
+          [&](const auto& values) {
+            if (level.level < values.size()) line["statistics"][column.name] = values[level.level];
+          },
+          column.values);
+    json["levels"].push_back(line);
+  }
+  // Names come from the file: what is no UTF-8 is replaced.
+  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace colossus::reader

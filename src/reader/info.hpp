@@ -1,0 +1,19 @@
+// What is inside a container, for people and for scripts. Needs the node table only.
+#pragma once
+
+#include <string>
+
+#include "reader/statue.hpp"
+
+namespace colossus::reader {
+
+// Lines and a table per level: from the node table level, nodes, leaves, triangles, vertices, bytes, bits per
+// vertex (8 * stored bytes / vertices) and largest error; then all columns of the stored statistics, as they
+// are.
+std::string info_text(const Statue& statue);
+
+// The same as one JSON object: file, schema, scheme, lattice, position_bits, quantisation_error, attributes,
+// options, inputs, counts, nodes, above_limit, levels.
+std::string info_json(const Statue& statue);
+
+}  // namespace colossus::reader

@@ -1,0 +1,134 @@
+// A container opened for reading: its node table as a hierarchy, and its nodes decoded one by one.
+//
+// A row is a diamond with geometry in at least one of its tetrahedra; a row is a leaf or it is split. A
+// tetrahedron exists when its diamond is the root or the tetrahedron that it is a half of exists in a split
+// diamond. Diamonds without any geometry have no row, and neither has anything below them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "codec/node_mesh.hpp"
+#include "container/reader.hpp"
+#include "geometry/lattice.hpp"
+#include "hierarchy/diamond.hpp"
+
+namespace colossus::reader {
+
+// Index into rows(); kNoRow where there is none.
+using RowIndex = std::uint32_t;
+inline constexpr RowIndex kNoRow = ~RowIndex{0};
+inline constexpr std::size_t kMaxPlaces = 8;
+
+// A tetrahedron by its row and its place in the row's diamond.
+struct TetrahedronRef {
+  RowIndex row = kNoRow;
+  std::uint8_t place = 0;
+  bool exists() const { return row != kNoRow; }
+  friend auto operator<=>(const TetrahedronRef&, const TetrahedronRef&) = default;
+};
+
+// A decoded node: for each entry of mesh.tetrahedra the corners are diamond.tetrahedra[place].
+struct Node {
+  hierarchy::Diamond diamond;
+  codec::NodeMesh mesh;
+  std::size_t memory_bytes() const;
+};
+
+struct StatueOptions {
+  std::size_t cache_bytes = std::size_t{256}
+                            << 20;  // decoded nodes kept by node(), least recently used go first
+};
+
+class Statue {
+ public:
+  // Throws Error(kBadData) when the container is damaged, or when a row's centre is no diamond's centre of
+  // the row's level, a place of its mask lies outside the root cube, or its error or bounds are not finite.
+  // What the rows say about each other is checked by verify() only; everything here is total whatever they
+  // say. Memory: some 250 bytes per row. Cost: about 10 microseconds per row. Not collective.
+  explicit Statue(const std::filesystem::path& path, const StatueOptions& options = {});
+
+  const container::ContainerReader& container() const { return container_; }
+  const container::Metadata& metadata() const { return container_.metadata(); }
+  const std::vector<container::NodeRow>& rows() const { return container_.rows(); }
+  const geometry::Lattice& lattice() const { return lattice_; }
+  std::uint32_t deepest_level() const { return rows().empty() ? 0 : rows().back().level; }
+
+  bool is_leaf(RowIndex row) const { return (rows()[row].flags & container::kNodeIsLeaf) != 0; }
+  hierarchy::Point center(RowIndex row) const;
+  // The row of the diamond with this centre. log n.
+  RowIndex find(const hierarchy::Point& center) const;
+  // Rows of the diamonds whose splits make this one's tetrahedra; fewer than these diamonds where some have
+  // no row.
+  std::vector<RowIndex> parents(RowIndex row) const;
+  // The half with end 0 or 1 of the long edge, when its diamond has a row. None for leaves.
+  TetrahedronRef child(TetrahedronRef tetrahedron, int end) const;
+  // The tetrahedron that this one is a half of, when its diamond has a row and is split.
+  TetrahedronRef parent(TetrahedronRef tetrahedron) const;
+  // Inside the root cube, and made by a split of a row (or of the root row's level).
+  bool exists(TetrahedronRef tetrahedron) const;
+  bool has_geometry(TetrahedronRef tetrahedron) const {
+    return (rows()[tetrahedron.row].tetra_mask >> tetrahedron.place & 1) != 0;
+  }
+  // Bit p: the tetrahedron at place p or one below it carries geometry. Small parts vanish at coarse levels,
+  // so this can be more than the row's mask.
+  std::uint8_t places_with_geometry_below(RowIndex row) const { return below_[row]; }
+
+  // Reads, checks and decodes a node. Throws Error(kBadData) that names file, level and centre when its bytes
+  // are damaged or are not what the row and the metadata say (places, attributes, position bits, counts),
+  // Error(kIo) when the device fails. Keeps nothing. Thread-safe.
+  Node load(RowIndex row) const;
+  // The same through the cache. Thread-safe.
+  std::shared_ptr<const Node> node(RowIndex row) const;
+  // Triangles per place as stored (with those that have two equal positions). The row says it for a node with
+  // one tetrahedron; others are decoded once and remembered (36 bytes a node). Throws like load().
+  // Thread-safe.
+  std::array<std::uint32_t, kMaxPlaces> triangle_counts(RowIndex row) const;
+
+  // "level 5, centre 1, 2, 3", for messages.
+  std::string name(RowIndex row) const;
+
+  // The world position of a decoded one; the only rounding is that of the last addition.
+  std::array<double, 3> world(const codec::ScaledPosition& position) const {
+    std::array<double, 3> result{};
+    // + 0.0 turns a negative zero into a positive one: equal points are bit-equal.
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      result[axis] = lattice_.origin[axis] + scaled_step_ * static_cast<double>(position[axis]) + 0.0;
+    return result;
+  }
+
+ private:
+  void check_row(RowIndex row) const;
+  void link_children(RowIndex row);
+  [[noreturn]] void fail_node(RowIndex row, const std::string& message) const;
+
+  struct Cached {
+    std::shared_ptr<const Node> node;
+    std::size_t bytes = 0;
+    std::list<RowIndex>::iterator use;
+  };
+
+  container::ContainerReader container_;
+  StatueOptions options_;
+  geometry::Lattice lattice_;
+  double scaled_step_ = 1.0;
+  std::vector<std::array<TetrahedronRef, 2 * kMaxPlaces>> children_;  // per row: 2 * place + end
+  std::vector<std::array<TetrahedronRef, kMaxPlaces>> parents_;
+  std::vector<std::uint8_t> below_;
+
+  mutable std::mutex mutex_;  // guards what follows
+  mutable std::unordered_map<RowIndex, Cached> cache_;
+  mutable std::list<RowIndex> uses_;  // most recent first
+  mutable std::size_t cached_bytes_ = 0;
+  mutable std::unordered_map<RowIndex, std::array<std::uint32_t, kMaxPlaces>> counts_;
+};
+
+}  // namespace colossus::reader

@@ -1,0 +1,335 @@
+#include "reader/verify.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/error.hpp"
+#include "reader/census.hpp"
+#include "reader/faces.hpp"
+#include "reader/parallel.hpp"
+
+namespace colossus::reader {
+namespace {
+
+constexpr std::size_t kBatch = 128;  // nodes in flight
+
+struct NodeReport {
+  std::vector<Finding> findings;
+  NodeBoundary boundary;
+  std::vector<TetrahedronCensus> census;
+  std::uint64_t samples = 0;
+  double greatest_distance = 0.0;
+};
+
+std::optional<std::uint64_t> metadata_count(const Statue& statue, std::string_view name) {
+  for (const container::NamedCount& count : statue.metadata().counts)
+    if (count.name == name) return count.value;
+  return std::nullopt;
+}
+
+// Rows against each other; needs no geometry.
+std::vector<Finding> check_structure(const Statue& statue, RowIndex row) {
+  std::vector<Finding> findings;
+  const auto add = [&](FindingKind kind, const std::string& message) {
+    findings.push_back({kind, fmt::format("node at {}: {}", statue.name(row), message)});
+  };
+  const container::NodeRow& own = statue.rows()[row];
+  for (const RowIndex parent : statue.parents(row)) {
+    if (statue.is_leaf(parent) && own.tetra_mask != 0 && !statue.is_leaf(row))
+      add(FindingKind::kStructure,
+          fmt::format("it is split, but its parent at {} is a leaf", statue.name(parent)));
+    if (statue.rows()[parent].error < own.error)
+      add(FindingKind::kErrorGrowth,
+          fmt::format("its error {} is larger than {}, that of its parent at {}", own.error,
+                      statue.rows()[parent].error, statue.name(parent)));
+  }
+  bool has_child = false;
+  for (std::uint8_t place = 0; place < kMaxPlaces; ++place) {
+    const TetrahedronRef ref{row, place};
+    if (!statue.has_geometry(ref)) continue;
+    if (!statue.exists(ref))
+      add(FindingKind::kStructure,
+          fmt::format("place {} has geometry, but its parent has no node or is a leaf", place));
+    if (statue.is_leaf(row)) continue;
+    bool has_half = false;
+    for (int end = 0; end < 2; ++end)
+      if (const TetrahedronRef half = statue.child(ref, end); half.exists() && statue.has_geometry(half))
+        has_half = true;
+    if (!has_half)
+      add(FindingKind::kStructure,
+          fmt::format("place {} has geometry and is split, but neither half has any", place));
+    has_child = has_child || has_half;
+  }
+  if (!statue.is_leaf(row) && !has_child)
+    add(FindingKind::kStructure, "it is no leaf, but nothing lies below it");
+  if (!statue.is_leaf(row) && (own.flags & container::kNodeIsAboveLimit) != 0)
+    add(FindingKind::kStructure, "it is above the leaf limit, but no leaf");
+  if (own.tetra_mask == 0) add(FindingKind::kStructure, "it has no tetrahedron with geometry");
+  return findings;
+}
+
+std::optional<std::string> outside_bounds(const Statue& statue, RowIndex row,
+                                          const codec::QuantizedTetrahedron& part,
+                                          const hierarchy::Tetrahedron& tetrahedron) {
+  const auto& bounds = statue.rows()[row].bounds;
+  for (std::size_t i = 0; i < part.weights.size(); ++i) {
+    const auto p = statue.world(codec::scaled_position(part.weights[i], tetrahedron));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (p[axis] < bounds[axis] || p[axis] > bounds[axis + 3])
+        return fmt::format("vertex {} of place {} at {} {} {} lies outside the bounds {} to {} on axis {}", i,
+                           part.place, p[0], p[1], p[2], bounds[axis], bounds[axis + 3], axis);
+  }
+  return std::nullopt;
+}
+
+// What double arithmetic may lose in a distance near p.
+double arithmetic_tolerance(const Statue& statue) {
+  double magnitude = 0.0;
+  for (const double origin : statue.lattice().origin)
+    magnitude = std::max(
+        {magnitude, std::abs(origin), std::abs(origin + statue.lattice().step * geometry::kRootSide)});
+  return 4.0 * std::numeric_limits<double>::epsilon() * magnitude;
+}
+
+void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex row, const Node& node,
+                  NodeReport& report) {
+  std::vector<WorldPoint> points;
+  std::vector<mesh::Triangle> triangles;
+  for (const auto& part : node.mesh.tetrahedra) {
+    const auto base = static_cast<std::uint32_t>(points.size());
+    for (const auto& weights : part.weights)
+      points.push_back(statue.world(codec::scaled_position(weights, node.diamond.tetrahedra[part.place])));
+    for (const mesh::Triangle& t : part.triangles)
+      triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+  }
+  const auto& center = statue.rows()[row].center;
+  const std::uint64_t seed = options.seed ^ geometry::PointHash{}({center[0], center[1], center[2]});
+  const std::vector<WorldPoint> samples = sample_surface({points, triangles}, options.samples_per_node, seed);
+  WorldPoint farthest{};
+  std::uint32_t near = 0;
+  for (const WorldPoint& p : samples) {
+    const auto found = options.against->nearest(p, near);
+    near = found.triangle;
+    if (found.distance > report.greatest_distance) {
+      report.greatest_distance = found.distance;
+      farthest = p;
+    }
+  }
+  report.samples = samples.size();
+  const double error = statue.rows()[row].error;
+  if (report.greatest_distance > error * (1.0 + 1e-9) + arithmetic_tolerance(statue))
+    report.findings.push_back(
+        {FindingKind::kDistance,
+         fmt::format("node at {}: {} {} {} is {} from the input, more than the stored error {}",
+                     statue.name(row), farthest[0], farthest[1], farthest[2], report.greatest_distance,
+                     error)});
+}
+
+NodeReport check_node(const Statue& statue, const VerifyOptions& options, RowIndex row) {
+  const bool is_closed = metadata_count(statue, "border_edges") == std::uint64_t{0};
+  NodeReport report;
+  report.findings = check_structure(statue, row);
+  const hierarchy::Diamond diamond = hierarchy::Diamond::at(statue.center(row));
+  std::array<std::optional<BoundaryChains>, kMaxPlaces> chains;
+  std::array<const BoundaryChains*, kMaxPlaces> present{};
+  bool is_damaged = false;
+  try {
+    const Node node = statue.load(row);
+    for (const auto& part : node.mesh.tetrahedra) {
+      const hierarchy::Tetrahedron& tetrahedron = diamond.tetrahedra[part.place];
+      if (part.triangles.empty())
+        report.findings.push_back(
+            {FindingKind::kStructure, fmt::format("node at {}: place {} is in the mask but has no triangles",
+                                                  statue.name(row), part.place)});
+      if (const auto outside = outside_bounds(statue, row, part, tetrahedron))
+        report.findings.push_back(
+            {FindingKind::kBounds, fmt::format("node at {}: {}", statue.name(row), *outside)});
+      chains[part.place] = boundary_chains(part, tetrahedron);
+      present[part.place] = &*chains[part.place];
+      if (is_closed && chains[part.place]->unmarked > 0)
+        report.findings.push_back(
+            {FindingKind::kFace,
+             fmt::format(
+                 "node at {}: place {} has {} border edges in faces without marks, but the input is closed",
+                 statue.name(row), part.place, chains[part.place]->unmarked)});
+      if (statue.exists({row, part.place}))
+        report.census.push_back(take_census(weld_positions(part, tetrahedron)));
+    }
+    if (options.against != nullptr) measure_node(statue, options, row, node, report);
+  } catch (const core::Error& error) {
+    if (error.status() != core::Status::kBadData) throw;
+    is_damaged = true;
+    report.findings.push_back({FindingKind::kDamage, error.what()});
+  }
+  report.boundary = node_boundary(statue, row, diamond, present, is_damaged);
+  return report;
+}
+
+class Verifier {
+ public:
+  Verifier(const Statue& statue, const VerifyOptions& options) : statue_(statue), options_(options) {}
+
+  VerifyReport run() {
+    const std::size_t rows = statue_.rows().size();
+    report_.nodes = rows;
+    if (rows == 0) add({FindingKind::kStructure, "the container has no nodes"});
+    for (std::size_t begin = 0; begin < rows;) {
+      // A batch ends with its level, so that the census can be closed.
+      const std::uint32_t level = statue_.rows()[begin].level;
+      std::size_t end = begin;
+      while (end < rows && end - begin < kBatch && statue_.rows()[end].level == level) ++end;
+      if (report_.levels.empty() || report_.levels.back().level != level) start_level(level);
+      std::vector<NodeReport> batch(end - begin);
+      parallel_for(batch.size(), [&](std::size_t i) {
+        batch[i] = check_node(statue_, options_, static_cast<RowIndex>(begin + i));
+      });
+      for (std::size_t i = 0; i < batch.size(); ++i)
+        merge(static_cast<RowIndex>(begin + i), std::move(batch[i]));
+      begin = end;
+    }
+    if (!report_.levels.empty()) finish_level();
+    finish_boundaries();
+    finish_census();
+    finish_distances();
+    std::stable_sort(report_.findings.begin(), report_.findings.end(),
+                     [](const Finding& a, const Finding& b) { return a.kind < b.kind; });
+    return std::move(report_);
+  }
+
+ private:
+  void add(Finding finding) { add_many(finding.kind, 1, {std::move(finding.message)}); }
+
+  void add_many(FindingKind kind, std::uint64_t count, std::vector<std::string> messages) {
+    std::uint64_t& so_far = report_.counts[static_cast<std::size_t>(kind)];
+    for (std::size_t i = 0; i < messages.size() && so_far + i < options_.examples_per_kind; ++i)
+      report_.findings.push_back({kind, std::move(messages[i])});
+    so_far += count;
+  }
+
+  void start_level(std::uint32_t level) {
+    if (!report_.levels.empty()) {
+      finish_level();
+      if (report_.levels.back().level + 1 != level)
+        add({FindingKind::kStructure,
+             fmt::format("no nodes between levels {} and {}", report_.levels.back().level, level)});
+    } else if (level != 0) {
+      add({FindingKind::kStructure, fmt::format("the coarsest level is {}; the root is missing", level)});
+    }
+    report_.levels.push_back({level, 0, 0, 0, 0});
+  }
+
+  void finish_level() {
+    const EdgeCounts counts = census_.finish_level();
+    LevelReport& level = report_.levels.back();
+    level.triangles = counts.triangles;
+    level.border_edges = counts.border_edges;
+    level.nonmanifold_edges = counts.nonmanifold_edges;
+  }
+
+  void merge(RowIndex row, NodeReport&& node) {
+    ++report_.levels.back().nodes;
+    for (Finding& finding : node.findings) add(std::move(finding));
+    faces_.insert(faces_.end(), node.boundary.faces.begin(), node.boundary.faces.end());
+    std::move(node.boundary.edges.begin(), node.boundary.edges.end(), std::back_inserter(edges_));
+    for (TetrahedronCensus& census : node.census) census_.add(std::move(census), statue_.is_leaf(row));
+    if (node.samples == 0) return;
+    report_.samples += node.samples;
+    const double error = statue_.rows()[row].error;
+    if (error > 0.0)
+      report_.greatest_ratio = std::max(report_.greatest_ratio, node.greatest_distance / error);
+    if (error > statue_.lattice().input_error()) {
+      ++report_.measured_nodes;
+      if (error > 4.0 * node.greatest_distance) ++report_.loose_nodes;
+    }
+  }
+
+  void finish_boundaries() {
+    BoundaryReport faces = check_faces(statue_, faces_, options_.examples_per_kind);
+    report_.faces = faces.faces;
+    report_.nonempty_faces = faces.nonempty_faces;
+    add_many(FindingKind::kFace, faces.mismatches, std::move(faces.examples));
+    BoundaryReport edges = check_edges(statue_, edges_, options_.examples_per_kind);
+    report_.edges = edges.faces;
+    add_many(FindingKind::kEdge, edges.mismatches, std::move(edges.examples));
+  }
+
+  void finish_census() {
+    if (report_.levels.empty()) return;
+    const LevelReport& finest = report_.levels.back();
+    check_census(FindingKind::kBorder, "border", &LevelReport::border_edges,
+                 metadata_count(statue_, "border_edges"), finest.border_edges);
+    check_census(FindingKind::kNonManifold, "non-manifold", &LevelReport::nonmanifold_edges,
+                 metadata_count(statue_, "nonmanifold_edges"), finest.nonmanifold_edges);
+  }
+
+  void check_census(FindingKind kind, const char* word, std::uint64_t LevelReport::*member,
+                    std::optional<std::uint64_t> of_input, std::uint64_t of_finest) {
+    if (of_input.value_or(of_finest) != 0) return;
+    for (const LevelReport& level : report_.levels)
+      if (level.*member != 0)
+        add({kind, fmt::format("the cut of level {} has {} {} edges, {} none", level.level, level.*member,
+                               word, of_input ? "the input" : "the finest cut")});
+  }
+
+  void finish_distances() {
+    if (report_.loose_nodes * 10 > report_.measured_nodes)
+      add({FindingKind::kLooseError,
+           fmt::format("{} of {} nodes store an error of more than four times the sampled distance",
+                       report_.loose_nodes, report_.measured_nodes)});
+  }
+
+  const Statue& statue_;
+  const VerifyOptions& options_;
+  VerifyReport report_;
+  std::vector<FaceEntry> faces_;
+  std::vector<EdgeEntry> edges_;
+  LevelCensus census_;
+};
+
+}  // namespace
+
+std::string_view name_of(FindingKind kind) {
+  static constexpr std::array<std::string_view, kFindingKinds> kNames{
+      "damage",       "structure", "bounds",       "face",     "edge",
+      "error growth", "border",    "non-manifold", "distance", "loose error"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::uint64_t VerifyReport::total() const {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : counts) sum += n;
+  return sum;
+}
+
+VerifyReport verify(const Statue& statue, const VerifyOptions& options) {
+  return Verifier(statue, options).run();
+}
+
+std::string to_text(const VerifyReport& report) {
+  std::string text = fmt::format("{:>5} {:>9} {:>13} {:>12} {:>12}\n", "level", "nodes", "triangles",
+                                 "border", "non-manifold");
+  for (const LevelReport& level : report.levels)
+    text += fmt::format("{:>5} {:>9} {:>13} {:>12} {:>12}\n", level.level, level.nodes, level.triangles,
+                        level.border_edges, level.nonmanifold_edges);
+  text += fmt::format(
+      "checked: {} nodes, {} faces of the hierarchy ({} crossed by the surface), {} edges of it\n",
+      report.nodes, report.faces, report.nonempty_faces, report.edges);
+  if (report.samples > 0)
+    text += fmt::format(
+        "measured: {} samples, greatest distance / stored error {:.3f}, {} of {} errors above four times "
+        "it\n",
+        report.samples, report.greatest_ratio, report.loose_nodes, report.measured_nodes);
+  for (const Finding& finding : report.findings)
+    text += fmt::format("{}: {}\n", name_of(finding.kind), finding.message);
+  for (std::size_t kind = 0; kind < kFindingKinds; ++kind)
+    if (report.counts[kind] > 0)
+      text += fmt::format("found: {} of kind \"{}\"\n", report.counts[kind],
+                          name_of(static_cast<FindingKind>(kind)));
+  text += report.is_ok() ? "nothing found\n" : fmt::format("{} findings\n", report.total());
+  return text;
+}
+
+}  // namespace colossus::reader

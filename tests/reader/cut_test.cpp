@@ -1,0 +1,166 @@
+#include "reader/cut.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "reader/statue_fixture.hpp"
+
+namespace colossus::reader {
+namespace {
+
+bool is_closed_under_parents(const Statue& statue, const Cut& cut) {
+  for (RowIndex row = 0; row < statue.rows().size(); ++row)
+    if (cut.is_split[row]) {
+      if (statue.is_leaf(row)) return false;
+      for (const RowIndex parent : statue.parents(row))
+        if (!cut.is_split[parent]) return false;
+    }
+  return true;
+}
+
+void expect_closed_surface(const Statue& statue, const Cut& cut) {
+  ASSERT_TRUE(is_closed_under_parents(statue, cut));
+  const CutMesh mesh = assemble(statue, cut);
+  ASSERT_FALSE(mesh.triangles.empty());
+  const Census census = census_of(mesh);
+  EXPECT_EQ(census.border_edges, 0U);
+  EXPECT_EQ(census.nonmanifold_edges, 0U);
+  EXPECT_EQ(census.repeated_points, 0U);
+}
+
+std::uint64_t counted_anew(const Statue& statue, const Cut& cut) {
+  std::uint64_t total = 0;
+  for (RowIndex row = 0; row < statue.rows().size(); ++row) {
+    const Node node = statue.load(row);
+    for (const auto& part : node.mesh.tetrahedra)
+      if (cut.is_active(statue, {row, part.place})) total += part.triangles.size();
+  }
+  return total;
+}
+
+// The unsplit row that has to be split first when `row` is to be.
+RowIndex first_missing(const Statue& statue, const Cut& cut, RowIndex row) {
+  RowIndex first = row;
+  for (const RowIndex parent : statue.parents(row))
+    if (!cut.is_split[parent]) first = std::min(first, first_missing(statue, cut, parent));
+  return first;
+}
+
+Cut brute_force_triangles(const Statue& statue, std::uint64_t most) {
+  Cut cut{std::vector<bool>(statue.rows().size(), false), {}};
+  for (;;) {
+    RowIndex best = kNoRow;
+    for (RowIndex row = 0; row < statue.rows().size(); ++row)
+      if (!cut.is_split[row] && !statue.is_leaf(row) && cut.active_places(statue, row) != 0 &&
+          (best == kNoRow || statue.rows()[row].error > statue.rows()[best].error))
+        best = row;
+    if (best == kNoRow) return cut;
+    while (!cut.is_split[best]) {
+      const RowIndex step = first_missing(statue, cut, best);
+      cut.is_split[step] = true;
+      if (counted_anew(statue, cut) > most) {
+        cut.is_split[step] = false;
+        return cut;
+      }
+    }
+  }
+}
+
+TEST(Cut, EveryLevelIsClosed) {
+  StatueFixture fixture(torus(40, 24), 200);
+  const auto statue = fixture.open();
+  ASSERT_GT(statue->deepest_level(), 3U);
+  for (std::uint32_t level = 0; level <= statue->deepest_level() + 1; ++level) {
+    SCOPED_TRACE(level);
+    const Cut cut = cut_at_level(*statue, level);
+    expect_closed_surface(*statue, cut);
+    for (RowIndex row = 0; row < statue->rows().size(); ++row)
+      if (cut.active_places(*statue, row) != 0) {
+        const std::uint32_t own = statue->rows()[row].level;
+        EXPECT_TRUE(own == level || (own < level && statue->is_leaf(row)));
+        EXPECT_EQ(cut.active_places(*statue, row), statue->rows()[row].tetra_mask);
+      }
+  }
+}
+
+TEST(Cut, RandomCutsClosedUnderParentsAreClosed) {
+  StatueFixture fixture(torus(40, 24), 100);
+  const auto statue = fixture.open();
+  const unsigned seed = 20261123;
+  std::cout << "seed " << seed << "\n";
+  std::mt19937 random(seed);
+  bool had_partly_active = false;
+  for (int round = 0; round < 50; ++round) {
+    Cut cut{std::vector<bool>(statue->rows().size(), false), {}};
+    const auto chance = 30 + random() % 65;
+    for (RowIndex row = 0; row < statue->rows().size(); ++row) {
+      const auto parents = statue->parents(row);
+      cut.is_split[row] =
+          !statue->is_leaf(row) && random() % 100 < chance &&
+          std::all_of(parents.begin(), parents.end(), [&](RowIndex p) { return cut.is_split[p]; });
+    }
+    SCOPED_TRACE(round);
+    expect_closed_surface(*statue, cut);
+    for (RowIndex row = 0; row < statue->rows().size(); ++row) {
+      const auto places = cut.active_places(*statue, row);
+      had_partly_active = had_partly_active || (places != 0 && places != statue->rows()[row].tetra_mask);
+    }
+    EXPECT_EQ(triangle_count(*statue, cut), counted_anew(*statue, cut));
+  }
+  EXPECT_TRUE(had_partly_active);
+}
+
+TEST(Cut, ErrorCutIsTheCoarsestWithinTheError) {
+  StatueFixture fixture(torus(40, 24), 100);
+  const auto statue = fixture.open();
+  std::vector<double> errors{0.0, std::numeric_limits<double>::infinity()};
+  for (RowIndex row = 0; row < statue->rows().size(); row += 7) errors.push_back(statue->rows()[row].error);
+  for (const double error : errors) {
+    SCOPED_TRACE(error);
+    const Cut cut = cut_with_error(*statue, error);
+    ASSERT_TRUE(is_closed_under_parents(*statue, cut));
+    bool has_leaf_above = false;
+    std::vector<bool> has_split_child(statue->rows().size(), false);
+    for (RowIndex row = 0; row < statue->rows().size(); ++row) {
+      if (cut.active_places(*statue, row) != 0 && statue->rows()[row].error > error) {
+        EXPECT_TRUE(statue->is_leaf(row)) << statue->name(row);
+        has_leaf_above = true;
+      }
+      if (cut.is_split[row])
+        for (const RowIndex parent : statue->parents(row)) has_split_child[parent] = true;
+    }
+    EXPECT_EQ(cut.warning.empty(), !has_leaf_above) << cut.warning;
+    for (RowIndex row = 0; row < statue->rows().size(); ++row)
+      if (cut.is_split[row] && !has_split_child[row]) {
+        EXPECT_GT(statue->rows()[row].error, error) << "needlessly split";
+      }
+  }
+}
+
+TEST(Cut, TriangleCutIsAPrefixOfTheRefinementOrder) {
+  StatueFixture fixture(torus(30, 16), 100);
+  // Errors out of step with the levels, so that parents have to be forced.
+  std::mt19937 random(5);
+  for (auto& [key, node] : fixture.nodes) node.row.error *= 1.0 + static_cast<double>(random() % 64);
+  const auto statue = fixture.open();
+  const std::uint64_t root = statue->rows()[0].triangles;
+  const std::uint64_t finest = triangle_count(*statue, cut_at_level(*statue, 99));
+  ASSERT_GT(finest, root);
+  for (const std::uint64_t most :
+       {root, root + 1, (root + finest) / 2, root + (finest - root) / 5, finest - 1, finest, finest * 10}) {
+    SCOPED_TRACE(most);
+    const Cut cut = cut_with_triangles(*statue, most);
+    EXPECT_EQ(cut.is_split, brute_force_triangles(*statue, most).is_split);
+    EXPECT_LE(counted_anew(*statue, cut), most);
+    EXPECT_TRUE(cut.warning.empty());
+    EXPECT_LE(assemble(*statue, cut).triangles.size(), most);
+  }
+  const Cut too_few = cut_with_triangles(*statue, root - 1);
+  EXPECT_NE(too_few.warning, "");
+  EXPECT_EQ(too_few.is_split, std::vector<bool>(statue->rows().size(), false));
+}
+
+}  // namespace
+}  // namespace colossus::reader

@@ -1,0 +1,80 @@
+// Small containers made without the builder: a generated mesh clipped into leaf tetrahedra; coarser
+// tetrahedra are the unions of their halves, nothing is simplified. So every cut has the surface of the
+// input, cut differently.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "codec/node_mesh.hpp"
+#include "container/schema.hpp"
+#include "geometry/lattice.hpp"
+#include "mesh/mesh.hpp"
+#include "reader/distance.hpp"
+#include "reader/extract.hpp"
+#include "reader/statue.hpp"
+
+namespace colossus::reader {
+
+struct WorldMesh {
+  std::vector<WorldPoint> points;
+  std::vector<mesh::Triangle> triangles;
+  Surface surface() const { return {points, triangles}; }
+};
+
+// Closed, 2 * columns * rows triangles.
+WorldMesh torus(std::size_t columns, std::size_t rows);
+// An octahedron, subdivided: 8 * 4^rounds triangles.
+WorldMesh sphere(int rounds);
+
+struct FixtureNode {
+  codec::NodeMesh mesh;
+  container::NodeRow row;  // counts, bounds and mask are taken from the mesh when the fixture is written ...
+  bool keeps_row = false;  // ... unless this is set
+};
+
+class StatueFixture {
+ public:
+  StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits = 12);
+  ~StatueFixture();
+  StatueFixture(const StatueFixture&) = delete;
+  StatueFixture& operator=(const StatueFixture&) = delete;
+
+  // By level and centre, as the rows will be.
+  std::map<std::pair<std::uint32_t, geometry::Point>, FixtureNode> nodes;
+  container::Metadata metadata;
+  // Called for each payload before it is packed, so that checksums are right whatever it does.
+  std::function<void(core::Bytes&)> change_payload;
+
+  // Writes the container as it stands and opens it.
+  std::unique_ptr<Statue> open(const StatueOptions& options = {});
+  void write() const;
+  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  void build(const WorldMesh& mesh, std::size_t leaf_triangles);
+  void encode(const hierarchy::TetrahedronId& id, const mesh::Mesh& mesh);
+  void set_errors();
+
+  geometry::Lattice lattice_;
+  std::filesystem::path folder_;
+  std::filesystem::path path_;
+};
+
+// Puts vertices in order of first use and drops unused ones, as the codec wants it after a change.
+void reorder(codec::QuantizedTetrahedron& part);
+
+// Independent of the reader: welds bit-equal points and counts the uses of edges.
+struct Census {
+  std::size_t border_edges = 0;
+  std::size_t nonmanifold_edges = 0;
+  std::size_t repeated_points = 0;  // beyond the first at a position
+};
+Census census_of(const CutMesh& mesh);
+
+}  // namespace colossus::reader
