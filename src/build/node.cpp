@@ -1,7 +1,7 @@
 #include "build/node.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
 
 #include "build/diamond_region.hpp"
 #include "codec/node_codec.hpp"
@@ -17,8 +17,8 @@ using core::Bytes;
 using core::ByteWriter;
 using hierarchy::Diamond;
 
-// About one and a half per triangle of a tetrahedron of the default size.
-constexpr std::size_t kSamplesPerTetrahedron = 4096;
+// About one per triangle of a tetrahedron of the default size.
+constexpr std::size_t kSamplesPerTetrahedron = 2048;
 // What lies between the samples can be farther than they are.
 constexpr double kDeviationMargin = 1.5;
 
@@ -43,8 +43,9 @@ std::size_t target_of(const NodeSettings& settings, const std::vector<PlacedMesh
     total += part.content.mesh.triangles.size();
     places |= 1U << part.place;
   }
-  const auto count = static_cast<std::uint64_t>(std::popcount(places));
-  return std::min(total, std::max(total / 2, settings.floor_triangles * count));
+  // Above half only to keep the tetrahedra filled, and never so far that a level would stall.
+  const std::uint64_t floor = settings.floor_triangles * static_cast<std::uint64_t>(std::popcount(places));
+  return std::max(total / 2, std::min(floor, total - total / 4));
 }
 
 std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond,

@@ -144,28 +144,17 @@ class BucketMesh {
   // Same positions in the same cyclic order: all but the first go. Each is counted in the one bucket that holds its
   // least corner, which lies on no plane.
   void drop_duplicates() {
-    struct Key {
-      mesh::Triangle corners;
-      std::uint32_t index;
-    };
-    std::vector<Key> keys;
-    keys.reserve(mesh_.triangles.size());
-    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      const mesh::Triangle& t = mesh_.triangles[i];
-      const auto k = static_cast<std::size_t>(std::min_element(t.begin(), t.end()) - t.begin());
-      keys.push_back({{t[k], t[(k + 1) % 3], t[(k + 2) % 3]}, i});
-    }
-    std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
-      return a.corners != b.corners ? a.corners < b.corners : a.index < b.index;
-    });
+    const std::vector<std::uint32_t> first = mesh::first_with_same_corners(mesh_.triangles, mesh_.vertices.size());
     std::vector<bool> is_duplicate(mesh_.triangles.size(), false);
-    for (std::size_t i = 1; i < keys.size(); ++i)
-      if (keys[i].corners == keys[i - 1].corners) {
-        is_duplicate[keys[i].index] = true;
-        const auto& c = keys[i].corners;
-        const Point least = std::min({position(c[0]), position(c[1]), position(c[2])});
-        duplicates_ += cube_.contains(least) ? 1 : 0;
-      }
+    // Of each group the first triangle of either orientation stays.
+    std::unordered_map<std::uint32_t, bool> has_opposite;
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      if (first[i] == i) continue;
+      const mesh::Triangle& t = mesh_.triangles[i];
+      is_duplicate[i] = mesh::has_same_orientation(t, mesh_.triangles[first[i]]) || std::exchange(has_opposite[first[i]], true);
+      const Point least = std::min({position(t[0]), position(t[1]), position(t[2])});
+      if (is_duplicate[i] && cube_.contains(least)) ++duplicates_;
+    }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
       if (!is_duplicate[i]) mesh_.triangles[kept++] = mesh_.triangles[i];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include <meshoptimizer.h>
 
@@ -36,40 +37,23 @@ void merge_fallen_together(std::vector<Triangle>& triangles, const std::vector<W
   std::erase_if(triangles, has_equal_corners);
 }
 
-Triangle rotated_to_least(const Triangle& t) {
-  const std::size_t k = static_cast<std::size_t>(std::min_element(t.begin(), t.end()) - t.begin());
-  return {t[k], t[(k + 1) % 3], t[(k + 2) % 3]};
-}
-
 // Removes pairs of triangles with the same corners in opposite order: together they bound nothing.
-void cancel_opposites(std::vector<Triangle>& triangles) {
-  struct Entry {
-    Triangle sorted;
-    bool is_even;
-    std::uint32_t index;
-  };
-  std::vector<Entry> entries;
-  entries.reserve(triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    Triangle t = rotated_to_least(triangles[i]);
-    const bool is_even = t[1] < t[2];
-    if (!is_even) std::swap(t[1], t[2]);
-    entries.push_back({t, is_even, i});
-  }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return a.sorted != b.sorted ? a.sorted < b.sorted : a.index < b.index;
-  });
+void cancel_opposites(std::vector<Triangle>& triangles, std::size_t vertex_count) {
+  const std::vector<std::uint32_t> first = mesh::first_with_same_corners(triangles, vertex_count);
+  // Of groups of several triangles, those that look one way and wait for one that looks the other way.
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> waiting;
   std::vector<bool> is_cancelled(triangles.size(), false);
-  for (std::size_t i = 0; i < entries.size();) {
-    std::size_t end = i;
-    std::array<std::vector<std::uint32_t>, 2> sides;
-    for (; end < entries.size() && entries[end].sorted == entries[i].sorted; ++end)
-      if (end > i || (end + 1 < entries.size() && entries[end + 1].sorted == entries[i].sorted))
-        sides[entries[end].is_even ? 1 : 0].push_back(entries[end].index);
-    for (std::size_t pair = 0; pair < std::min(sides[0].size(), sides[1].size()); ++pair)
-      is_cancelled[sides[0][pair]] = is_cancelled[sides[1][pair]] = true;
-    i = end;
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    if (first[i] == i) continue;
+    auto& group = waiting.try_emplace(first[i], 1, first[i]).first->second;
+    if (group.empty() || mesh::has_same_orientation(triangles[group.back()], triangles[i])) {
+      group.push_back(i);
+    } else {
+      is_cancelled[group.back()] = is_cancelled[i] = true;
+      group.pop_back();
+    }
   }
+  if (waiting.empty()) return;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < triangles.size(); ++i)
     if (!is_cancelled[i]) triangles[kept++] = triangles[i];
@@ -144,7 +128,7 @@ Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahe
   }
   std::vector<Triangle> triangles = mesh.triangles;
   merge_fallen_together(triangles, weights, marks);
-  cancel_opposites(triangles);
+  cancel_opposites(triangles, mesh.vertices.size());
   order_for_cache(triangles, mesh.vertices.size());
 
   QuantizedTetrahedron& out = result.tetrahedron;

@@ -16,7 +16,7 @@ double squared_distance_to_segment(const Vec3& ap, const Vec3& ab) {
 
 }  // namespace
 
-double squared_distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double bound) {
+TriangleDistance distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double bound) {
   const Vec3 ab = b - a;
   const Vec3 ac = c - a;
   const Vec3 ap = p - a;
@@ -24,16 +24,16 @@ double squared_distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b,
   const double area = squared_length(n);
   const double height = dot(ap, n);
   // The plane is already farther.
-  if (height * height >= bound * area && area > 0.0) return bound;
+  if (height * height >= bound * area && area > 0.0) return {bound, false};
   // Barycentric coordinates of the projection tell which edges it lies beyond.
   const double beyond_ac = dot(cross(ab, ap), n);  // weight of c
   const double beyond_ab = dot(cross(ap, ac), n);  // weight of b
-  if (area > 0.0 && beyond_ab >= 0.0 && beyond_ac >= 0.0 && beyond_ab + beyond_ac <= area) return height * height / area;
+  if (area > 0.0 && beyond_ab >= 0.0 && beyond_ac >= 0.0 && beyond_ab + beyond_ac <= area) return {height * height / area, true};
   double best = bound;
   if (!(area > 0.0) || beyond_ac < 0.0) best = std::min(best, squared_distance_to_segment(ap, ab));
   if (!(area > 0.0) || beyond_ab < 0.0) best = std::min(best, squared_distance_to_segment(ap, ac));
   if (!(area > 0.0) || beyond_ab + beyond_ac > area) best = std::min(best, squared_distance_to_segment(p - b, c - b));
-  return best;
+  return {best, false};
 }
 
 }  // namespace colossus::geometry

@@ -28,8 +28,13 @@ inline Vec3 to_vec3(const Point& p) {
   return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
 }
 
+struct TriangleDistance {
+  double squared = 0.0;
+  bool is_inside = false;  // the nearest point is the projection, within the triangle
+};
+
 // Squared distance from p to the closed triangle a b c, which may be degenerate, or `bound` if that is less: a small
 // bound saves most of the work. Rounding can lose distances below 1e-7 of the triangle's size.
-double squared_distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double bound);
+TriangleDistance distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double bound);
 
 }  // namespace colossus::geometry

@@ -1,5 +1,6 @@
 #include "mesh/mesh.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace colossus::mesh {
@@ -54,6 +55,37 @@ void weld(Mesh& mesh, std::vector<std::uint32_t>* triangle_order) {
   }
   mesh.triangles.resize(kept);
   mesh.vertices = std::move(vertices);
+}
+
+std::vector<std::uint32_t> first_with_same_corners(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
+  // Dealt out by the least corner; then sorted by the two others within these groups.
+  struct Entry {
+    std::uint64_t others;
+    std::uint32_t triangle;
+  };
+  std::vector<std::uint32_t> starts(vertex_count + 1, 0);
+  for (const Triangle& t : triangles) ++starts[std::min({t[0], t[1], t[2]}) + 1];
+  for (std::size_t v = 0; v < vertex_count; ++v) starts[v + 1] += starts[v];
+  std::vector<std::uint32_t> cursor(starts.begin(), starts.end() - 1);
+  std::vector<Entry> entries(triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const Triangle& t = triangles[i];
+    const std::uint64_t least = std::min({t[0], t[1], t[2]});
+    const std::uint64_t most = std::max({t[0], t[1], t[2]});
+    const std::uint64_t middle = std::uint64_t{t[0]} + t[1] + t[2] - least - most;
+    entries[cursor[least]++] = {middle << 32 | most, i};
+  }
+  std::vector<std::uint32_t> first(triangles.size());
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    const auto begin = entries.begin() + starts[v];
+    const auto end = entries.begin() + starts[v + 1];
+    std::sort(begin, end, [](const Entry& a, const Entry& b) {
+      return a.others != b.others ? a.others < b.others : a.triangle < b.triangle;
+    });
+    for (auto at = begin; at != end; ++at)
+      first[at->triangle] = at != begin && (at - 1)->others == at->others ? first[(at - 1)->triangle] : at->triangle;
+  }
+  return first;
 }
 
 Vertex interpolate(const Vertex& a, const Vertex& b, std::int64_t numerator, std::int64_t denominator) {

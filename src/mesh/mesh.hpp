@@ -43,6 +43,15 @@ std::vector<std::uint32_t> position_remap(const std::vector<Vertex>& vertices);
 // remaining triangle its former index.
 void weld(Mesh& mesh, std::vector<std::uint32_t>* triangle_order = nullptr);
 
+// Triangles with the same three corners: a representative of each is the first of its group. same_corners[i] is the
+// index of the first triangle with the corners of triangle i, in whatever order. Linear but for large fans.
+std::vector<std::uint32_t> first_with_same_corners(const std::vector<Triangle>& triangles, std::size_t vertex_count);
+
+// Whether two triangles with the same corners have them in the same cyclic order.
+inline bool has_same_orientation(const Triangle& a, const Triangle& b) {
+  return (a[0] == b[0] && a[1] == b[1]) || (a[0] == b[1] && a[1] == b[2]) || (a[0] == b[2] && a[1] == b[0]);
+}
+
 // The attributes at numerator / denominator of the way from a to b, in integers; the position is left to the caller.
 Vertex interpolate(const Vertex& a, const Vertex& b, std::int64_t numerator, std::int64_t denominator);
 

@@ -31,18 +31,26 @@ struct Side {
   bool is_forward;
 };
 
+// Sorted by ends, then by corner: dealt out by the lesser end, then sorted within these small groups.
 std::vector<Side> sorted_sides(std::span<const Triangle> triangles) {
-  std::vector<Side> sides;
-  sides.reserve(triangles.size() * 3);
+  std::uint32_t vertex_count = 0;
+  for (const Triangle& t : triangles) vertex_count = std::max({vertex_count, t[0] + 1, t[1] + 1, t[2] + 1});
+  std::vector<std::uint32_t> starts(std::size_t{vertex_count} + 1, 0);
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) ++starts[std::min(t[k], t[(k + 1) % 3]) + 1];
+  for (std::size_t v = 0; v < vertex_count; ++v) starts[v + 1] += starts[v];
+  std::vector<Side> sides(triangles.size() * 3);
+  std::vector<std::uint32_t> cursor(starts.begin(), starts.end() - 1);
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint64_t a = triangles[t][k];
       const std::uint64_t b = triangles[t][(k + 1) % 3];
-      sides.push_back({std::min(a, b) << 32 | std::max(a, b), 3 * t + k, a < b});
+      sides[cursor[std::min(a, b)]++] = {std::min(a, b) << 32 | std::max(a, b), 3 * t + k, a < b};
     }
-  std::sort(sides.begin(), sides.end(), [](const Side& l, const Side& r) {
-    return l.key != r.key ? l.key < r.key : l.corner < r.corner;
-  });
+  for (std::size_t v = 0; v < vertex_count; ++v)
+    std::sort(sides.begin() + starts[v], sides.begin() + starts[v + 1], [](const Side& l, const Side& r) {
+      return l.key != r.key ? l.key < r.key : l.corner < r.corner;
+    });
   return sides;
 }
 

@@ -51,14 +51,6 @@ class Numbering {
   std::vector<std::uint32_t> table_;
 };
 
-struct ScaledHash {
-  std::size_t operator()(const codec::ScaledPosition& p) const {
-    std::uint64_t h = 0;
-    for (const std::int64_t c : p) h = core::mix64(h + 0x9e3779b97f4a7c15ULL + static_cast<std::uint64_t>(c));
-    return h;
-  }
-};
-
 using DoubleBits = std::array<std::uint64_t, 3>;
 struct DoubleBitsHash {
   std::size_t operator()(const DoubleBits& p) const {
@@ -99,16 +91,7 @@ class Assembler {
  private:
   void add(const WeldedTetrahedron& welded, const codec::QuantizedTetrahedron& part) {
     std::vector<std::uint32_t> numbers(welded.positions.size());
-    for (std::size_t i = 0; i < welded.positions.size(); ++i) {
-      // Only what lies on the tetrahedron's boundary can be known already.
-      if (welded.zero_weights[i] != 0) {
-        const std::uint32_t shared = boundary_.number(welded.positions[i]);
-        if (shared == boundary_vertices_.size()) boundary_vertices_.push_back(add_vertex(welded, part, i));
-        numbers[i] = boundary_vertices_[shared];
-      } else {
-        numbers[i] = add_vertex(welded, part, i);
-      }
-    }
+    for (std::size_t i = 0; i < welded.positions.size(); ++i) numbers[i] = add_vertex(welded, part, i);
     for (const mesh::Triangle& t : welded.triangles)
       mesh_.triangles.push_back({numbers[t[0]], numbers[t[1]], numbers[t[2]]});
     mesh_.stored_triangles += part.triangles.size();
@@ -127,12 +110,11 @@ class Assembler {
 
   const Statue& statue_;
   CutMesh mesh_;
-  Numbering<codec::ScaledPosition, ScaledHash> boundary_;
-  std::vector<std::uint32_t> boundary_vertices_;
 };
 
-// Two exact positions can have one world position, when the origin is far away: an independent program would
-// weld them, so we do. Also drops vertices that no triangle uses any more.
+// Welds the tetrahedra's vertices by their world positions, bit by bit. Equal exact positions have equal
+// world positions; where the origin is so far away that different ones have as well, an independent program
+// would weld them, so we do. Drops vertices that no triangle uses any more.
 void finish(CutMesh& mesh) {
   Numbering<DoubleBits, DoubleBitsHash> worlds;
   std::vector<std::uint32_t> first(mesh.positions.size());

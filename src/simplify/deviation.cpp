@@ -18,6 +18,7 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 struct Nearest {
   double squared = kFar;
   std::uint32_t triangle = kNone;
+  bool is_inside = false;  // a projection within the triangle, not a point of its rim
 };
 
 // A surface on which the nearest point is found by walking.
@@ -32,18 +33,19 @@ class WalkableSurface {
   void look_around(const Vec3& p, std::uint32_t v, Nearest& nearest) const {
     for (const auto i : adjacency_.around(v)) {
       const mesh::Triangle& t = mesh_.triangles[i];
-      const double squared = geometry::squared_distance_to_triangle(p, at(t[0]), at(t[1]), at(t[2]), nearest.squared);
-      if (squared < nearest.squared) nearest = {squared, i};
+      const auto found = geometry::distance_to_triangle(p, at(t[0]), at(t[1]), at(t[2]), nearest.squared);
+      if (found.squared < nearest.squared) nearest = {found.squared, i, found.is_inside};
     }
   }
 
-  // From v on to wherever it gets nearer. A local minimum: an upper bound of the distance.
+  // From v on to wherever it gets nearer, until p projects into a triangle. A local minimum: an upper bound of the
+  // distance.
   Nearest walk(const Vec3& p, std::uint32_t v) {
     const std::uint32_t visited = ++stamp_;
     Nearest nearest;
     stamps_[v] = visited;
     look_around(p, v, nearest);
-    for (std::uint32_t from = kNone; nearest.triangle != from && nearest.squared > 0.0;) {
+    for (std::uint32_t from = kNone; nearest.triangle != from && !nearest.is_inside;) {
       from = nearest.triangle;
       for (const auto corner : mesh_.triangles[from]) {
         if (stamps_[corner] == visited) continue;
