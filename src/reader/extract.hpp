@@ -10,10 +10,10 @@
 
 namespace colossus::reader {
 
-// Vertices are welded by their exact positions across tetrahedra, in order of first occurrence in the cut
-// (rows in order, places ascending); the attributes are those of the first. Triangles with two equal
-// positions are dropped, and pairs of triangles with the same corners in opposite order cancel, as do those
-// that welding brings together.
+// Vertices are welded by position across tetrahedra (equal exact positions are bit-equal), in order of first
+// occurrence in the cut (rows in order, places ascending); the attributes are those of the first. Triangles
+// with two equal positions are dropped, and pairs of triangles with the same corners in opposite order
+// cancel, as do those that welding brings together.
 struct CutMesh {
   std::vector<std::array<double, 3>> positions;      // world
   std::vector<std::array<std::uint8_t, 2>> normals;  // octahedral codes; empty when the container has none

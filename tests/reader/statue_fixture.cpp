@@ -32,6 +32,9 @@ Vertex cut_vertex(Vertex a, Vertex b, const geometry::Plane& plane) {
   return v;
 }
 
+// No bisection thins out the triangles around one vertex.
+constexpr int kDeepestLevel = 40;
+
 // The part on the side of `sign`; triangles in the plane belong to the positive one.
 Mesh clip(const Mesh& whole, const geometry::Plane& plane, int sign) {
   Mesh part;
@@ -197,7 +200,8 @@ void StatueFixture::build(const WorldMesh& world, std::size_t leaf_triangles) {
   std::set<Point> is_split;
   for (bool is_done = false; !is_done;) {
     const auto large = std::find_if(pieces.begin(), pieces.end(), [&](const auto& piece) {
-      return piece.second.triangles.size() > leaf_triangles;
+      return piece.second.triangles.size() > leaf_triangles &&
+             hierarchy::level_of(piece.first.center) < kDeepestLevel;
     });
     is_done = large == pieces.end();
     if (!is_done) split(pieces, is_split, Point{large->first.center});

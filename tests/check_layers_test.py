@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""Plants violations into a copy of src/ and expects scripts/check_layers.py to find each, and nothing in src/ itself.
+
+check_layers_test.py CHECKER SOURCE_FOLDER
+"""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+# (file, line added to it, what the checker must say)
+PLANTED = [
+    ("core/error.hpp", '#include "mesh/mesh.hpp"', "core may not include mesh/mesh.hpp"),
+    ("simplify/region.hpp", '  #  include "codec/node_mesh.hpp"', "simplify may not include codec/node_mesh.hpp"),
+    ("build/build.cpp", "#include <mpi.h>", "build may not include mpi.h"),
+    ("scratch/spool.cpp", '#include "mpi.h"', "scratch may not include mpi.h"),
+    ("reader/statue.cpp", "#include <hdf5.h>", "reader may not include hdf5.h"),
+    ("reader/statue.cpp", "#include <hdf5/serial/H5public.h>", "reader may not include hdf5/serial/H5public.h"),
+    ("codec/node_codec.cpp", "#include <fstream>", "codec may not include fstream"),
+    ("hierarchy/diamond.cpp", '#include "core/file.hpp"', "hierarchy may not include core/file.hpp"),
+    ("build/build.cpp", '#include "cluster/detail/mpi_calls.hpp"', "is private to cluster"),
+    ("build/build.cpp", '#include "../mesh/mesh.hpp"', "should start with a folder of src/"),
+    ("container/table.cpp", '#include "geometry/point.hpp"', "does not link colossus::geometry"),
+    ("mesh/CMakeLists.txt", "target_link_libraries(colossus_mesh PUBLIC colossus::codec)",
+     "mesh may not link colossus::codec"),
+    ("novel/novel.cpp", "int x;", "does not know this folder"),
+]
+
+
+def run(checker, source):
+    done = subprocess.run([sys.executable, checker, source], capture_output=True, text=True)
+    return done.returncode, done.stdout + done.stderr
+
+
+def main():
+    checker, source = sys.argv[1:3]
+    failures = []
+    status, output = run(checker, source)
+    if status != 0:
+        failures.append(f"{source} as it is: status {status}\n{output}")
+    for name, line, expected in PLANTED:
+        with tempfile.TemporaryDirectory() as folder:
+            copy = pathlib.Path(folder) / "src"
+            shutil.copytree(source, copy)
+            (copy / name).parent.mkdir(exist_ok=True)
+            with open(copy / name, "a") as file:
+                file.write(f"\n{line}\n")
+            status, output = run(checker, copy)
+            if status != 1 or expected not in output:
+                failures.append(f"{name} with {line!r}: expected {expected!r}, found status {status}\n{output}")
+    print("\n".join(failures) if failures else f"{len(PLANTED)} planted violations found")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

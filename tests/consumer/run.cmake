@@ -1,0 +1,35 @@
+# Installs the build in BUILD below FOLDER, configures and builds the project in SOURCE against it, and lets both the
+# installed program and the consumer say how many nodes a small container has. GENERATOR, COMPILER: as in the build.
+function(run)
+  cmake_parse_arguments(ARG "" "OUTPUT" "COMMAND" ${ARGN})
+  execute_process(COMMAND ${ARG_COMMAND} WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE status
+                  OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN ARG_COMMAND " " command)
+    message(FATAL_ERROR "${command}: status ${status}\n${output}")
+  endif()
+  if(ARG_OUTPUT)
+    set(${ARG_OUTPUT} "${output}" PARENT_SCOPE)
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${FOLDER})
+file(MAKE_DIRECTORY ${FOLDER})
+set(program ${FOLDER}/install/bin/colossus)
+run(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${FOLDER}/install)
+run(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
+            -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${FOLDER}/install)
+run(COMMAND ${CMAKE_COMMAND} --build ${FOLDER}/build)
+run(COMMAND ${program} synth --triangles 20000 -o statue.ply)
+run(COMMAND ${program} build statue.ply -o statue.h5 --leaf-triangles 1000)
+run(COMMAND ${program} info --json statue.h5 OUTPUT info)
+run(COMMAND ${FOLDER}/build/consumer statue.h5 OUTPUT said)
+
+string(JSON nodes GET "${info}" nodes)
+if(NOT nodes GREATER 10)
+  message(FATAL_ERROR "expected more than 10 nodes, found ${nodes}")
+endif()
+if(NOT said STREQUAL "${nodes} nodes, the first at level 0\n")
+  message(FATAL_ERROR "expected ${nodes} nodes, the first at level 0; the consumer says ${said}")
+endif()
+file(REMOVE_RECURSE ${FOLDER})

@@ -1,0 +1,44 @@
+// Arbitrary bytes as a node's payload. What decodes keeps what decode() promises, and encoding and decoding it again
+// gives the same mesh; encoding twice gives the same bytes.
+#include <cstdint>
+#include <cstdlib>
+
+#include "codec/node_codec.hpp"
+
+namespace {
+
+using namespace colossus;
+
+void expect(bool condition) {
+  if (!condition) std::abort();
+}
+
+void expect_valid(const codec::NodeMesh& node) {
+  expect(node.position_bits >= codec::kMinPositionBits && node.position_bits <= codec::kMaxPositionBits);
+  int last_place = -1;
+  for (const codec::QuantizedTetrahedron& part : node.tetrahedra) {
+    expect(int{part.place} > last_place);
+    last_place = part.place;
+    const std::size_t count = part.weights.size();
+    for (const codec::Weights& w : part.weights)
+      expect(std::uint64_t{w[0]} + w[1] + w[2] + w[3] == std::uint64_t{1} << node.position_bits);
+    expect(part.marks.size() == count);
+    expect(part.normals.size() == (node.has_normals ? count : 0));
+    expect(part.colors.size() == (node.has_colors ? count : 0));
+    for (const mesh::Triangle& t : part.triangles)
+      for (const std::uint32_t v : t) expect(v < count);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto node = codec::decode(std::as_bytes(std::span(data, size)));
+  if (!node) return 0;
+  expect_valid(node.value());
+  const core::Bytes bytes = codec::encode(node.value());
+  expect(bytes == codec::encode(node.value()));
+  const auto again = codec::decode(bytes);
+  expect(again.ok() && again.value() == node.value());
+  return 0;
+}
