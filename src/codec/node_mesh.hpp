@@ -21,8 +21,7 @@ using Weights = std::array<std::uint32_t, 4>;
 struct QuantizedTetrahedron {
   std::uint8_t place = 0;
   std::vector<Weights> weights;
-  // Bit i: the vertex lies on the face opposite corner i. Not the same as a weight of 0, which a vertex near the face
-  // may have as well.
+  // Bit i: the vertex lies on the face opposite corner i; the same as weight i being 0.
   std::vector<std::uint8_t> marks;
   std::vector<std::array<std::uint8_t, 2>> normals;
   std::vector<mesh::Color> colors;

@@ -6,7 +6,9 @@
 
 #include <meshoptimizer.h>
 
+#include "codec/pinches.hpp"
 #include "core/error.hpp"
+
 
 namespace colossus::codec {
 namespace {
@@ -21,16 +23,15 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
 
 bool has_equal_corners(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// Merges equally marked vertices that fall together within a triangle, and drops what that makes degenerate.
-void merge_fallen_together(std::vector<Triangle>& triangles, const std::vector<Weights>& weights,
-                           const std::vector<std::uint8_t>& marks) {
+// Merges vertices that fall together within a triangle, and drops what that makes degenerate.
+void merge_fallen_together(std::vector<Triangle>& triangles, const std::vector<Weights>& weights) {
   std::vector<std::uint32_t> parents(weights.size());
   for (std::uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
   for (const Triangle& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = find_root(parents, t[k]);
       const std::uint32_t b = find_root(parents, t[(k + 1) % 3]);
-      if (a != b && marks[a] == marks[b] && weights[a] == weights[b]) parents[std::max(a, b)] = std::min(a, b);
+      if (a != b && weights[a] == weights[b]) parents[std::max(a, b)] = std::min(a, b);
     }
   for (Triangle& t : triangles)
     for (auto& v : t) v = find_root(parents, v);
@@ -58,6 +59,15 @@ void cancel_opposites(std::vector<Triangle>& triangles, std::size_t vertex_count
   for (std::size_t i = 0; i < triangles.size(); ++i)
     if (!is_cancelled[i]) triangles[kept++] = triangles[i];
   triangles.resize(kept);
+}
+
+double moved_by(const Weights& weights, const geometry::Point& from, const hierarchy::Tetrahedron& tetrahedron,
+                double scale) {
+  const ScaledPosition to = scaled_position(weights, tetrahedron);
+  const double x = static_cast<double>(to[0]) * scale - from.x;
+  const double y = static_cast<double>(to[1]) * scale - from.y;
+  const double z = static_cast<double>(to[2]) * scale - from.z;
+  return std::sqrt(x * x + y * y + z * z);
 }
 
 void order_for_cache(std::vector<Triangle>& triangles, std::size_t vertex_count) {
@@ -96,6 +106,11 @@ Weights Barycentric::weights(const geometry::Point& p, int bits) const {
     ++weights[static_cast<std::size_t>(greatest - fractions.begin())];
     *greatest = -1;
   }
+  for (std::size_t i = 0; i < 4; ++i)
+    if (weights[i] == 0 && planes_[i].side(p) > 0) {
+      --*std::max_element(weights.begin(), weights.end());
+      weights[i] = 1;
+    }
   return weights;
 }
 
@@ -120,15 +135,14 @@ Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahe
   for (const mesh::Vertex& vertex : mesh.vertices) {
     weights.push_back(barycentric.weights(vertex.position, options.position_bits));
     marks.push_back(barycentric.marks(vertex.position));
-    const ScaledPosition stored = scaled_position(weights.back(), tetrahedron);
-    const double x = static_cast<double>(stored[0]) * scale - vertex.position.x;
-    const double y = static_cast<double>(stored[1]) * scale - vertex.position.y;
-    const double z = static_cast<double>(stored[2]) * scale - vertex.position.z;
-    result.displacement = std::max(result.displacement, std::sqrt(x * x + y * y + z * z));
   }
+  separate_polylines(mesh, weights);
   std::vector<Triangle> triangles = mesh.triangles;
-  merge_fallen_together(triangles, weights, marks);
+  merge_fallen_together(triangles, weights);
   cancel_opposites(triangles, mesh.vertices.size());
+  separate_edges(triangles, weights);
+  for (std::size_t v = 0; v < weights.size(); ++v)
+    result.displacement = std::max(result.displacement, moved_by(weights[v], mesh.vertices[v].position, tetrahedron, scale));
   order_for_cache(triangles, mesh.vertices.size());
 
   QuantizedTetrahedron& out = result.tetrahedron;

@@ -12,8 +12,10 @@ class Barycentric {
  public:
   explicit Barycentric(const hierarchy::Tetrahedron& tetrahedron);
 
-  // floor(lambda_i * 2^bits), the remainder to the largest fractions, ties by corner order. `p` must lie in the closed
-  // tetrahedron; anything else is a bug and ends the program.
+  // floor(lambda_i * 2^bits), the remainder to the largest fractions, ties by corner order; a corner with lambda_i > 0
+  // gets at least 1, from the largest weight. So a weight is 0 exactly on the opposite face, and vertices of different
+  // tetrahedra coincide only on common faces. `p` must lie in the closed tetrahedron; anything else is a bug and ends
+  // the program.
   Weights weights(const geometry::Point& p, int bits) const;
   // Bit i: p lies exactly on the face opposite corner i.
   std::uint8_t marks(const geometry::Point& p) const;
@@ -37,10 +39,9 @@ struct QuantizeOptions {
   bool colors = false;
 };
 
-// Triangles whose corners fall together on equally marked vertices are dropped and these vertices merged; opposite
-// duplicates cancel. Where the marks differ such a triangle is kept with its two equal positions: without it the
-// border edges of a face could no longer be told from the connectivity. Triangles come out in vertex-cache order,
-// vertices in order of first use.
+// Triangles whose corners fall together are dropped and these vertices merged; opposite duplicates cancel. Vertices that
+// fall together otherwise are a pinch, which is legal unless edges do so too: then inner vertices step aside, so that
+// quantisation makes no edge non-manifold. Triangles come out in vertex-cache order, vertices in order of first use.
 Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
                    const QuantizeOptions& options);
 

@@ -41,7 +41,8 @@ std::vector<Finding> check_structure(const Statue& statue, RowIndex row) {
     if (statue.is_leaf(parent) && own.tetra_mask != 0 && !statue.is_leaf(row))
       add(FindingKind::kStructure,
           fmt::format("it is split, but its parent at {} is a leaf", statue.name(parent)));
-    if (statue.rows()[parent].error < own.error)
+    // Where a parent is a leaf, the node's other parents made it.
+    if (!statue.is_leaf(parent) && statue.rows()[parent].error < own.error)
       add(FindingKind::kErrorGrowth,
           fmt::format("its error {} is larger than {}, that of its parent at {}", own.error,
                       statue.rows()[parent].error, statue.name(parent)));
