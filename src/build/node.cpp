@@ -19,8 +19,6 @@ using hierarchy::Diamond;
 
 // About one per triangle of a tetrahedron of the default size.
 constexpr std::size_t kSamplesPerTetrahedron = 2048;
-// What lies between the samples can be farther than they are.
-constexpr double kDeviationMargin = 1.5;
 
 std::vector<PlacedMesh> load_parts(const Workspace& workspace, const NodeTask& task) {
   std::vector<PlacedMesh> parts;
@@ -172,7 +170,7 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
     bounds.add(stored.tetrahedron, tetrahedron);
     node.tetrahedra.push_back(std::move(stored.tetrahedron));
   }
-  row.error = std::max(kDeviationMargin * deviation * settings.lattice.step + result.displacement + settings.input_error,
+  row.error = std::max(deviation * settings.lattice.step + result.displacement + settings.input_error,
                        task.least_error);
   if (row.triangles > 0) row.bounds = bounds.world(settings.lattice, node.position_bits);
   const container::PackedChunk chunk = container::pack_chunk(codec::encode(node));

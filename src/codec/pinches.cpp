@@ -40,65 +40,7 @@ std::size_t face_count(const Weights& weights) {
   return static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0U));
 }
 
-// Two polyline edges on the face opposite `corner` that fall together: their vertices step aside within the face, in
-// an order that both sides of the face know.
-void separate_on_face(const mesh::Mesh& mesh, std::span<const mesh::Edge> edges, std::size_t corner,
-                      std::vector<Weights>& weights) {
-  std::vector<std::pair<Weights, Weights>> places_of_edges;
-  std::vector<std::uint32_t> vertices;
-  for (const mesh::Edge& edge : edges) {
-    if (weights[edge.a][corner] != 0 || weights[edge.b][corner] != 0 || edge.forward == edge.backward) continue;
-    places_of_edges.push_back(std::minmax(weights[edge.a], weights[edge.b]));
-    vertices.push_back(edge.a);
-    vertices.push_back(edge.b);
-  }
-  std::sort(places_of_edges.begin(), places_of_edges.end());
-  std::unordered_set<Weights, WeightsHash> pinched;
-  for (std::size_t i = 1; i < places_of_edges.size(); ++i)
-    if (places_of_edges[i] == places_of_edges[i - 1] && places_of_edges[i].first != places_of_edges[i].second) {
-      pinched.insert(places_of_edges[i].first);
-      pinched.insert(places_of_edges[i].second);
-    }
-  if (pinched.empty()) return;
-  const auto position = [&](std::uint32_t v) { return mesh.vertices[v].position; };
-  std::sort(vertices.begin(), vertices.end(), [&](auto a, auto b) { return position(a) < position(b); });
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  Places places;
-  for (const auto v : vertices) places.try_emplace(weights[v], v);
-  for (const auto v : vertices) {
-    const bool is_first = places.at(weights[v]) == v;
-    if (!is_first && face_count(weights[v]) == 1 && pinched.contains(weights[v])) step_aside(v, weights, places);
-  }
-}
-
-// Vertices on the edges of the tetrahedron, which all tetrahedra around such an edge have in common, always keep apart:
-// on a face that is not theirs to decide.
-void separate_on_edges(const mesh::Mesh& mesh, std::vector<Weights>& weights) {
-  std::vector<std::uint32_t> vertices;
-  for (std::uint32_t v = 0; v < weights.size(); ++v)
-    if (face_count(weights[v]) == 2) vertices.push_back(v);
-  std::sort(vertices.begin(), vertices.end(),
-            [&](auto a, auto b) { return mesh.vertices[a].position < mesh.vertices[b].position; });
-  Places places;
-  for (const auto v : vertices)
-    if (!places.try_emplace(weights[v], v).second) step_aside(v, weights, places);
-}
-
 }  // namespace
-
-void separate_polylines(const mesh::Mesh& mesh, std::vector<Weights>& weights) {
-  const auto share_face = [&](std::uint32_t a, std::uint32_t b) {
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      if (weights[a][corner] == 0 && weights[b][corner] == 0) return true;
-    return false;
-  };
-  std::vector<Triangle> at_faces;
-  for (const Triangle& t : mesh.triangles)
-    if (share_face(t[0], t[1]) || share_face(t[1], t[2]) || share_face(t[2], t[0])) at_faces.push_back(t);
-  const std::vector<mesh::Edge> edges = mesh::edges(at_faces);
-  separate_on_edges(mesh, weights);
-  for (std::size_t corner = 0; corner < 4; ++corner) separate_on_face(mesh, edges, corner, weights);
-}
 
 void separate_edges(const std::vector<Triangle>& triangles, std::vector<Weights>& weights) {
   std::vector<std::uint32_t> welded(weights.size());

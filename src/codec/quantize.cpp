@@ -136,7 +136,6 @@ Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahe
     weights.push_back(barycentric.weights(vertex.position, options.position_bits));
     marks.push_back(barycentric.marks(vertex.position));
   }
-  separate_polylines(mesh, weights);
   std::vector<Triangle> triangles = mesh.triangles;
   merge_fallen_together(triangles, weights);
   cancel_opposites(triangles, mesh.vertices.size());

@@ -385,7 +385,7 @@ class Collapser {
     }
     const Deviation deviation =
         measure_deviation(before_, region_.mesh, region_.cells, final_representative, region_.samples);
-    outcome.deviation = std::max(deviation.of_samples, deviation.of_vertices);
+    outcome.deviation = deviation.estimate();
   }
 
   template <typename Visit>
