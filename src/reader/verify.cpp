@@ -9,11 +9,14 @@
 #include "core/error.hpp"
 #include "reader/census.hpp"
 #include "reader/faces.hpp"
+#include "reader/input_samples.hpp"
 #include "reader/parallel.hpp"
 
 namespace colossus::reader {
 namespace {
 
+// A stored error above this many times the sampled distance is loose.
+constexpr double kLooseFactor = 4.0;
 constexpr std::size_t kBatch = 128;  // nodes in flight
 
 struct NodeReport {
@@ -22,6 +25,7 @@ struct NodeReport {
   std::vector<TetrahedronCensus> census;
   std::uint64_t samples = 0;
   double greatest_distance = 0.0;
+  double greatest_either_way = 0.0;  // also from the input to the node
 };
 
 std::optional<std::uint64_t> metadata_count(const Statue& statue, std::string_view name) {
@@ -96,7 +100,7 @@ double arithmetic_tolerance(const Statue& statue) {
 }
 
 void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex row, const Node& node,
-                  NodeReport& report) {
+                  const InputSamples& input_samples, NodeReport& report) {
   std::vector<WorldPoint> points;
   std::vector<mesh::Triangle> triangles;
   for (const auto& part : node.mesh.tetrahedra) {
@@ -120,6 +124,23 @@ void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex r
     }
   }
   report.samples = samples.size();
+  report.greatest_either_way = report.greatest_distance;
+  // Every vertex, and the other way, only where it can make a difference.
+  if (!triangles.empty() && statue.rows()[row].error > kLooseFactor * report.greatest_distance) {
+    const SurfaceIndex index({points, triangles});
+    std::uint32_t near_in_node = 0;
+    for (const std::uint32_t i : input_samples.by_row[row]) {
+      const auto found = index.nearest(input_samples.points[i], near_in_node);
+      near_in_node = found.triangle;
+      report.greatest_either_way = std::max(report.greatest_either_way, found.distance);
+    }
+    for (const WorldPoint& p : points) {
+      const auto found = options.against->nearest(p, near);
+      near = found.triangle;
+      report.greatest_either_way = std::max(report.greatest_either_way, found.distance);
+    }
+    report.samples += input_samples.by_row[row].size() + points.size();
+  }
   const double error = statue.rows()[row].error;
   if (report.greatest_distance > error * (1.0 + 1e-9) + arithmetic_tolerance(statue))
     report.findings.push_back(
@@ -129,7 +150,8 @@ void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex r
                      error)});
 }
 
-NodeReport check_node(const Statue& statue, const VerifyOptions& options, RowIndex row) {
+NodeReport check_node(const Statue& statue, const VerifyOptions& options,
+                      const InputSamples& input_samples, RowIndex row) {
   const bool is_closed = metadata_count(statue, "border_edges") == std::uint64_t{0};
   NodeReport report;
   report.findings = check_structure(statue, row);
@@ -159,7 +181,7 @@ NodeReport check_node(const Statue& statue, const VerifyOptions& options, RowInd
       if (statue.exists({row, part.place}))
         report.census.push_back(take_census(weld_positions(part, tetrahedron)));
     }
-    if (options.against != nullptr) measure_node(statue, options, row, node, report);
+    if (options.against != nullptr) measure_node(statue, options, row, node, input_samples, report);
   } catch (const core::Error& error) {
     if (error.status() != core::Status::kBadData) throw;
     is_damaged = true;
@@ -176,6 +198,8 @@ class Verifier {
   VerifyReport run() {
     const std::size_t rows = statue_.rows().size();
     report_.nodes = rows;
+    if (options_.against != nullptr)
+      input_samples_ = sample_input(statue_, options_.against->surface(), options_.seed);
     if (rows == 0) add({FindingKind::kStructure, "the container has no nodes"});
     for (std::size_t begin = 0; begin < rows;) {
       // A batch ends with its level, so that the census can be closed.
@@ -185,7 +209,7 @@ class Verifier {
       if (report_.levels.empty() || report_.levels.back().level != level) start_level(level);
       std::vector<NodeReport> batch(end - begin);
       parallel_for(batch.size(), [&](std::size_t i) {
-        batch[i] = check_node(statue_, options_, static_cast<RowIndex>(begin + i));
+        batch[i] = check_node(statue_, options_, input_samples_, static_cast<RowIndex>(begin + i));
       });
       for (std::size_t i = 0; i < batch.size(); ++i)
         merge(static_cast<RowIndex>(begin + i), std::move(batch[i]));
@@ -241,10 +265,8 @@ class Verifier {
     const double error = statue_.rows()[row].error;
     if (error > 0.0)
       report_.greatest_ratio = std::max(report_.greatest_ratio, node.greatest_distance / error);
-    if (error > statue_.lattice().input_error()) {
-      ++report_.measured_nodes;
-      if (error > 4.0 * node.greatest_distance) ++report_.loose_nodes;
-    }
+    sampled_.resize(statue_.rows().size(), 0.0);
+    sampled_[row] = node.greatest_either_way;
   }
 
   void finish_boundaries() {
@@ -275,7 +297,16 @@ class Verifier {
                                word, of_input ? "the input" : "the finest cut")});
   }
 
+  // A node's error is at least that of the nodes below, so it is judged with their distances too.
   void finish_distances() {
+    for (auto row = static_cast<RowIndex>(sampled_.size()); row-- > 0;) {
+      for (const RowIndex parent : statue_.parents(row))
+        if (!statue_.is_leaf(parent)) sampled_[parent] = std::max(sampled_[parent], sampled_[row]);
+      const double error = statue_.rows()[row].error;
+      if (!(error > statue_.lattice().input_error())) continue;
+      ++report_.measured_nodes;
+      if (error > kLooseFactor * sampled_[row]) ++report_.loose_nodes;
+    }
     if (report_.loose_nodes * 10 > report_.measured_nodes)
       add({FindingKind::kLooseError,
            fmt::format("{} of {} nodes store an error of more than four times the sampled distance",
@@ -283,6 +314,8 @@ class Verifier {
   }
 
   const Statue& statue_;
+  InputSamples input_samples_;
+  std::vector<double> sampled_;  // per row, the greatest distance either way
   const VerifyOptions& options_;
   VerifyReport report_;
   std::vector<FaceEntry> faces_;

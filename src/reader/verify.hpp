@@ -72,7 +72,9 @@ struct VerifyReport {
 // no cut may have any; else they are reported only.
 //
 // Distances: of samples_per_node deterministic samples of each node to the input; a relative 1e-9 and the
-// last place of the coordinates are allowed for the arithmetic. Nodes whose error is at most the lattice's
+// last place of the coordinates are allowed for the arithmetic. Whether an error is loose is judged by the
+// larger of these and the distances of the input's vertices in the node's tetrahedra to the node (an error
+// also tells what simplification cut off), of the node and those below (their errors never exceed it). Nodes whose error is at most the lattice's
 // own rounding do not count as loose.
 //
 // Never throws for damage in nodes (that is a finding); throws Error(kIo) when the device fails. Decodes each

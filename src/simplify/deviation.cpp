@@ -56,6 +56,15 @@ class WalkableSurface {
     return nearest;
   }
 
+  // The nearest of all triangles. Linear.
+  void look_everywhere(const Vec3& p, Nearest& nearest) const {
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      const mesh::Triangle& t = mesh_.triangles[i];
+      const auto found = geometry::distance_to_triangle(p, at(t[0]), at(t[1]), at(t[2]), nearest.squared);
+      if (found.squared < nearest.squared) nearest = {found.squared, i, found.is_inside};
+    }
+  }
+
   std::uint32_t nearest_corner(const Vec3& p, std::uint32_t triangle) const {
     const mesh::Triangle& t = mesh_.triangles[triangle];
     std::size_t best = 0;
@@ -73,6 +82,41 @@ class WalkableSurface {
   std::uint32_t stamp_ = 0;
 };
 
+void attach(SurfaceSample& sample, const Nearest& nearest, const WalkableSurface& surface,
+            std::span<const std::uint8_t> cells) {
+  sample.distance = static_cast<float>(std::sqrt(nearest.squared));
+  sample.anchor = surface.nearest_corner(geometry::to_vec3(sample.position), nearest.triangle);
+  sample.cell = cells[nearest.triangle];
+}
+
+// A walk does not find another sheet that is nearer. Only the farthest samples matter: they are measured against all
+// triangles until one of them stays the farthest. Returns its distance.
+double correct_farthest(const WalkableSurface& surface, std::span<const std::uint8_t> cells,
+                        std::vector<SurfaceSample>& samples) {
+  constexpr int kMostCorrections = 100;
+  struct Entry {
+    float distance;
+    std::uint32_t sample;
+    bool is_exact;
+  };
+  const auto is_nearer = [](const Entry& a, const Entry& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.sample < b.sample;
+  };
+  std::vector<Entry> heap;
+  for (std::uint32_t i = 0; i < samples.size(); ++i) heap.push_back({samples[i].distance, i, false});
+  std::make_heap(heap.begin(), heap.end(), is_nearer);
+  for (int round = 0; round < kMostCorrections && !heap.empty() && !heap.front().is_exact; ++round) {
+    std::pop_heap(heap.begin(), heap.end(), is_nearer);
+    SurfaceSample& sample = samples[heap.back().sample];
+    Nearest nearest;
+    surface.look_everywhere(geometry::to_vec3(sample.position), nearest);
+    attach(sample, nearest, surface, cells);
+    heap.back() = {sample.distance, heap.back().sample, true};
+    std::push_heap(heap.begin(), heap.end(), is_nearer);
+  }
+  return heap.empty() ? 0.0 : static_cast<double>(heap.front().distance);
+}
+
 }  // namespace
 
 Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, std::span<const std::uint8_t> cells,
@@ -86,11 +130,9 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, s
   for (SurfaceSample& sample : samples) {
     const Vec3 p = geometry::to_vec3(sample.position);
     const Nearest nearest = surface_after.walk(p, representative[sample.anchor]);
-    sample.distance = static_cast<float>(std::sqrt(nearest.squared));
-    sample.anchor = surface_after.nearest_corner(p, nearest.triangle);
-    sample.cell = cells[nearest.triangle];
-    deviation.of_samples = std::max(deviation.of_samples, static_cast<double>(sample.distance));
+    attach(sample, nearest, surface_after, cells);
   }
+  deviation.of_samples = correct_farthest(surface_after, cells, samples);
 
   const WalkableSurface surface_before(before);
   std::vector<Nearest> placed(after.vertices.size());
