@@ -70,8 +70,8 @@ std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const
                        const Hierarchy& hierarchy) {
   if (hierarchy.nodes.empty())
     core::fail(core::Status::kBadData,
-               "the input has {} triangles, but all of them are degenerate: nothing can be built",
-               catalog.counts.triangles);
+               "{}: the input has {} triangles, but all of them are degenerate: nothing can be built",
+               catalog.files.size() == 1 ? catalog.files[0].name : "all inputs", catalog.counts.triangles);
   container::ContainerWriter writer(workspace.options.output);
   std::vector<container::NodeRow> rows;
   for (const FinishedNode& node : hierarchy.nodes) rows.push_back(node.row);

@@ -27,8 +27,11 @@ void check_options(const cluster::Communicator& ranks, const BuildOptions& optio
   });
 }
 
-// The bits that keep every leaf's quantisation within the tolerance: rounding moves a vertex by less than the longest
-// edge of its tetrahedron over 2^bits.
+// The bits that keep every leaf's quantisation within the tolerance. Rounding changes the weights by at most three units
+// in all (one each for three corners that must not become 0), so it moves a vertex by at most three times the longest edge
+// over 2^bits.
+constexpr double kWeightUnits = 3.0;
+
 int bits_for_tolerance(double tolerance, const Partition& partition, const geometry::Lattice& lattice) {
   double longest = 0.0;
   for (const TetrahedronRecord& leaf : partition.leaves) {
@@ -36,9 +39,9 @@ int bits_for_tolerance(double tolerance, const Partition& partition, const geome
     longest = std::max(longest, std::sqrt(static_cast<double>(squared_distance(diamond.ends[0], diamond.ends[1]))));
   }
   for (int bits = codec::kMinPositionBits; bits <= codec::kMaxPositionBits; ++bits)
-    if (longest * lattice.step / static_cast<double>(1 << bits) <= tolerance) return bits;
+    if (kWeightUnits * longest * lattice.step / static_cast<double>(1 << bits) <= tolerance) return bits;
   core::warn("--tolerance {} is finer than {} bits in the largest leaf give ({}); use smaller leaves", tolerance,
-             codec::kMaxPositionBits, longest * lattice.step / static_cast<double>(1 << codec::kMaxPositionBits));
+             codec::kMaxPositionBits, kWeightUnits * longest * lattice.step / static_cast<double>(1 << codec::kMaxPositionBits));
   return codec::kMaxPositionBits;
 }
 

@@ -21,6 +21,9 @@ using hierarchy::Point;
 using hierarchy::Tetrahedron;
 using mesh::Mesh;
 
+// Slivers that every plane cuts would multiply without end: a tenth fewer in the larger half, but twice as many in all.
+constexpr double kMostGrowth = 8.0;
+
 // What a bucket or a forced split gives back.
 struct Refinement {
   std::vector<TetrahedronRecord> leaves;
@@ -55,25 +58,28 @@ class Refiner {
  public:
   Refiner(const Workspace& workspace, const DiamondSet& splits) : workspace_(workspace), splits_(splits) {}
 
-  void refine(const Tetrahedron& tetrahedron, Mesh&& mesh, Refinement& out) {
+  // `growth` is how many times as many pieces the cuts have made on the way here.
+  void refine(const Tetrahedron& tetrahedron, Mesh&& mesh, double growth, Refinement& out) {
     if (mesh.triangles.empty()) return;
     const Point center = tetrahedron.center();
     const bool is_forced = splits_.contains(center);
-    if (!is_forced && !is_worth_splitting(tetrahedron, mesh)) {
+    if (!is_forced && (growth > kMostGrowth || !is_worth_splitting(tetrahedron, mesh))) {
       mesh::weld(mesh);
       if (!mesh.triangles.empty())
         out.leaves.push_back(store(workspace_, hierarchy::id_of(tetrahedron), {std::move(mesh), {}}));
       return;
     }
     if (!is_forced) out.splits.push_back(center);
-    split_into(tetrahedron, std::move(mesh), out);
+    split_into(tetrahedron, std::move(mesh), growth, out);
   }
 
-  void split_into(const Tetrahedron& tetrahedron, Mesh&& mesh, Refinement& out) {
+  void split_into(const Tetrahedron& tetrahedron, Mesh&& mesh, double growth, Refinement& out) {
     auto halves = mesh::split(mesh, tetrahedron.bisector());
+    growth *= static_cast<double>(halves[0].triangles.size() + halves[1].triangles.size()) /
+              static_cast<double>(mesh.triangles.size());
     mesh = {};
-    refine(tetrahedron.child(0), std::move(halves[0]), out);
-    refine(tetrahedron.child(1), std::move(halves[1]), out);
+    refine(tetrahedron.child(0), std::move(halves[0]), growth, out);
+    refine(tetrahedron.child(1), std::move(halves[1]), growth, out);
   }
 
  private:
@@ -222,7 +228,7 @@ class BucketCutter {
   void descend(const Tetrahedron& tetrahedron, int level, Mesh&& mesh) {
     if (mesh.triangles.empty() || !reaches_into_cube(tetrahedron)) return;
     if (level == level_) {
-      refiner_.refine(tetrahedron, std::move(mesh), out_);
+      refiner_.refine(tetrahedron, std::move(mesh), 1.0, out_);
       return;
     }
     out_.splits.push_back(tetrahedron.center());
@@ -357,8 +363,10 @@ class Partitioner {
         [&](std::span<const std::byte> task) {
           const auto leaf = ByteReader(task).get<TetrahedronRecord>();
           Refinement out;
+          // A leaf above the limit was not worth splitting; its halves are split no further than others demand.
+          const double growth = leaf.triangles > workspace_.options.leaf_triangles ? kMostGrowth + 1.0 : 1.0;
           Refiner(workspace_, partition_.splits)
-              .split_into(hierarchy::tetrahedron_of(leaf.id), std::move(load(workspace_, leaf.record).mesh), out);
+              .split_into(hierarchy::tetrahedron_of(leaf.id), std::move(load(workspace_, leaf.record).mesh), growth, out);
           return out.to_bytes();
         },
         [&](std::size_t i, Bytes result) { results[i] = Refinement::from_bytes(result); });

@@ -26,17 +26,6 @@ struct Summary {
   double quantisation_error = 0.0;
 };
 
-// How far a vertex can move when it is quantised at this level, in world units. The weights' changes sum to
-// 0, and those upwards sum to at most 1 unit (rounding up the k largest of four fractions that sum to k), so
-// the vertex moves by at most the tetrahedron's longest edge / 2^bits.
-double quantisation_bound(const Statue& statue, RowIndex row) {
-  const hierarchy::Diamond diamond = hierarchy::Diamond::at(statue.center(row));
-  const double length =
-      std::sqrt(static_cast<double>(geometry::squared_distance(diamond.ends[0], diamond.ends[1])));
-  return length * statue.lattice().step /
-         static_cast<double>(std::int64_t{1} << statue.metadata().position_bits);
-}
-
 Summary summarize(const Statue& statue) {
   Summary summary;
   for (RowIndex index = 0; index < statue.rows().size(); ++index) {
@@ -52,7 +41,8 @@ Summary summarize(const Statue& statue) {
     if ((row.flags & container::kNodeIsAboveLimit) != 0) ++summary.above_limit;
     if (!statue.is_leaf(index)) continue;
     ++level.leaves;
-    summary.quantisation_error = std::max(summary.quantisation_error, quantisation_bound(statue, index));
+    // A leaf is the input: its error is what the lattice and quantisation have moved, measured.
+    summary.quantisation_error = std::max(summary.quantisation_error, row.error);
   }
   return summary;
 }

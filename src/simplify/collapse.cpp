@@ -221,10 +221,12 @@ class Collapser {
       return;
     }
     if (!is_link_legal(a, b) || !respects_faces(a, b) || !keeps_orientation(a, b, positions_[b])) return;
+    // A border collapse takes a triangle away: an edge of the face polyline may not become the border by it.
+    if (border_apex_ != kNone && (faces(b) & faces(border_apex_)) != 0) return;
     apply(a, b);
   }
 
-  // Link condition on live connectivity; also finds the cell of a triangle at the edge.
+  // Link condition on live connectivity; also finds the cell of a triangle at the edge, and the apex of a border edge.
   bool is_link_legal(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t in_b = ++stamp_;
     for_each_live(b, [&](const Triangle& t) {
@@ -252,6 +254,7 @@ class Collapser {
       }
     }
     if (shared == 0 || common != shared) return false;
+    border_apex_ = shared == 1 ? apexes[0] : kNone;
     if (shared == 2 && apexes[0] == apexes[1]) return false;
     for (std::size_t k = 0; k < shared; ++k)
       if (count_at_edge(a, apexes[k]) + count_at_edge(b, apexes[k]) <= 2) return false;
@@ -383,8 +386,9 @@ class Collapser {
       while (representative_[root] != root) root = representative_[root] = representative_[representative_[root]];
       final_representative[v] = renumbered[root];
     }
+    const bool has_border = std::find(classes_.begin(), classes_.end(), VertexClass::kBorder) != classes_.end();
     const Deviation deviation =
-        measure_deviation(before_, region_.mesh, region_.cells, final_representative, region_.samples);
+        measure_deviation(before_, region_.mesh, region_.cells, final_representative, has_border, region_.samples);
     outcome.deviation = deviation.estimate();
   }
 
@@ -439,6 +443,7 @@ class Collapser {
   std::vector<bool> is_touched_;
   std::uint32_t stamp_ = 0;
   std::uint8_t shared_cell_ = 0;
+  std::uint32_t border_apex_ = kNone;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "geometry/vector.hpp"
 #include "mesh/adjacency.hpp"
+#include "mesh/topology.hpp"
 
 namespace colossus::simplify {
 namespace {
@@ -120,7 +121,8 @@ double correct_farthest(const WalkableSurface& surface, std::span<const std::uin
 }  // namespace
 
 Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, std::span<const std::uint8_t> cells,
-                            std::span<const std::uint32_t> representative, std::vector<SurfaceSample>& samples) {
+                            std::span<const std::uint32_t> representative, bool has_border,
+                            std::vector<SurfaceSample>& samples) {
   Deviation deviation;
   // What the samples said of the surface before, where each vertex was.
   std::vector<float> earlier(before.vertices.size(), 0.0F);
@@ -134,12 +136,14 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, s
   }
   deviation.of_samples = correct_farthest(surface_after, cells, samples);
 
-  const WalkableSurface surface_before(before);
+  WalkableSurface surface_before(before);
   std::vector<Nearest> placed(after.vertices.size());
   std::vector<float> carried(after.vertices.size(), 0.0F);
+  std::vector<std::uint32_t> origin(after.vertices.size(), kNone);  // a vertex of `before` that has become this one
   for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
     const std::uint32_t r = representative[v];
     carried[r] = std::max(carried[r], earlier[v]);
+    origin[r] = v;
     if (before.vertices[v].position == after.vertices[r].position) placed[r].squared = 0.0;
     if (placed[r].squared > 0.0)
       surface_before.look_around(geometry::to_vec3(after.vertices[r].position), v, placed[r]);
@@ -147,6 +151,18 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, s
   for (std::size_t r = 0; r < placed.size(); ++r)
     if (placed[r].squared > 0.0)
       deviation.of_vertices = std::max(deviation.of_vertices, std::sqrt(placed[r].squared) + static_cast<double>(carried[r]));
+  if (!has_border) return deviation;
+  for (const mesh::Edge& edge : mesh::edges(after.triangles)) {
+    if (!edge.is_border()) continue;
+    const Vec3 a = geometry::to_vec3(after.vertices[edge.a].position);
+    const Vec3 b = geometry::to_vec3(after.vertices[edge.b].position);
+    for (const double t : {0.25, 0.5, 0.75}) {
+      const Vec3 p = a + t * (b - a);
+      const double squared = std::min(surface_before.walk(p, origin[edge.a]).squared, surface_before.walk(p, origin[edge.b]).squared);
+      deviation.of_vertices = std::max(
+          deviation.of_vertices, std::sqrt(squared) + static_cast<double>(std::max(carried[edge.a], carried[edge.b])));
+    }
+  }
   return deviation;
 }
 

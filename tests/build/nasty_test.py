@@ -229,7 +229,7 @@ class BadData(program.ColossusTest):
         with open(self.torus(), "rb") as file:
             data = file.read()
         header = data.index(b"end_header\n") + len("end_header\n")
-        for size, words in ((header // 2, ()), (header + 24 * 500 + 7, ("vertex 500",)), (len(data) - 1, ("face 1599",))):
+        for size, words in ((header // 2, ("header",)), (header + 24 * 500 + 7, ("vertex", "800")), (len(data) - 1, ("face 1599",))):
             with open(self.path("short.ply"), "wb") as file:
                 file.write(data[:size])
             self.assert_refused(self.path("short.ply"), *words)

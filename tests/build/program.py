@@ -2,6 +2,7 @@
 COLOSSUS_OTHER_PROGRAM (of another build type), COLOSSUS_MPIEXEC (a list with semicolons), COLOSSUS_SHARED_DATA."""
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -16,8 +17,14 @@ except ImportError as error:
 
 import check_closed
 
+# A run that does not end, or fills the disk, is a failed test and no more.
+MOST_SECONDS, MOST_FILE_BYTES = 240, 4 << 30
 OK, USAGE, BAD_DATA, CANNOT_CREATE = 0, 2, 65, 73
 PROGRAM = os.environ["COLOSSUS_PROGRAM"]
+
+
+def limit_files():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (MOST_FILE_BYTES, MOST_FILE_BYTES))
 
 
 class ColossusTest(unittest.TestCase):
@@ -33,7 +40,8 @@ class ColossusTest(unittest.TestCase):
     def run_program(self, *arguments, ranks=0, status=OK, program=PROGRAM):
         """Runs `colossus ARGUMENTS...`, under mpirun if ranks > 0, and expects the exit status."""
         launcher = os.environ["COLOSSUS_MPIEXEC"].split(";") + [str(ranks)] if ranks else []
-        run = subprocess.run([*launcher, program, *map(str, arguments)], capture_output=True, text=True, check=False)
+        run = subprocess.run([*launcher, program, *map(str, arguments)], capture_output=True, text=True, check=False,
+                             timeout=MOST_SECONDS, preexec_fn=limit_files)
         self.assertEqual(run.returncode, status, f"colossus {' '.join(map(str, arguments))}\n{run.stdout}{run.stderr}")
         return run
 
