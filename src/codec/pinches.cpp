@@ -1,8 +1,11 @@
 #include "codec/pinches.hpp"
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "core/hash.hpp"
 #include "mesh/topology.hpp"
@@ -38,6 +41,71 @@ bool step_aside(std::uint32_t v, std::vector<Weights>& weights, Places& places) 
 
 std::size_t face_count(const Weights& weights) {
   return static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0U));
+}
+
+bool has_vertex(const Triangle& t, std::uint32_t v) { return t[0] == v || t[1] == v || t[2] == v; }
+
+// The welded edges of more than two triangles, and what they are made of.
+class PinchedEdges {
+ public:
+  PinchedEdges(const std::vector<Triangle>& triangles, const std::vector<Weights>& weights) {
+    std::vector<std::uint32_t> welded(weights.size(), 0);
+    std::vector<bool> is_shared(weights.size(), false);
+    bool has_pinch = false;
+    for (const Triangle& t : triangles)
+      for (const auto v : t) {
+        const auto [entry, is_new] = places.try_emplace(weights[v], v);
+        welded[v] = entry->second;
+        if (entry->second != v) is_shared[v] = is_shared[entry->second] = has_pinch = true;
+      }
+    if (!has_pinch) return;
+    std::vector<Triangle> around;
+    for (const Triangle& t : triangles)
+      if (is_shared[t[0]] || is_shared[t[1]] || is_shared[t[2]]) around.push_back(t);
+    std::vector<Triangle> around_welded = around;
+    for (Triangle& t : around_welded)
+      for (auto& v : t) v = welded[v];
+    std::set<std::pair<std::uint32_t, std::uint32_t>> pinched;
+    for (const mesh::Edge& edge : mesh::edges(around_welded))
+      if (edge.is_nonmanifold()) pinched.emplace(edge.a, edge.b);
+    for (const mesh::Edge& edge : mesh::edges(around)) {
+      const auto place = std::minmax(welded[edge.a], welded[edge.b]);
+      if (pinched.contains({place.first, place.second})) by_place[{place.first, place.second}].push_back(edge);
+    }
+  }
+
+  Places places;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<mesh::Edge>> by_place;
+};
+
+// Halfway between two places, on no face that they do not share.
+Weights middle_of(const Weights& a, const Weights& b) {
+  Weights middle{};
+  bool rounds_up = false;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::uint32_t sum = a[i] + b[i];
+    middle[i] = sum / 2;
+    if (sum % 2 == 0) continue;
+    middle[i] += rounds_up ? 1 : 0;
+    rounds_up = !rounds_up;
+  }
+  for (std::size_t i = 0; i < 4; ++i)
+    if (middle[i] == 0 && a[i] + b[i] > 0) {
+      --*std::max_element(middle.begin(), middle.end());
+      middle[i] = 1;
+    }
+  return middle;
+}
+
+void split_edge(const mesh::Edge& edge, std::uint32_t middle, std::vector<Triangle>& triangles) {
+  const std::size_t count = triangles.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!has_vertex(triangles[i], edge.a) || !has_vertex(triangles[i], edge.b)) continue;
+    Triangle half = triangles[i];
+    std::replace(half.begin(), half.end(), edge.a, middle);
+    std::replace(triangles[i].begin(), triangles[i].end(), edge.b, middle);
+    triangles.push_back(half);
+  }
 }
 
 }  // namespace
@@ -77,6 +145,31 @@ void separate_edges(const std::vector<Triangle>& triangles, std::vector<Weights>
         has_moved |= step_aside(v, weights, places);
     }
     if (!has_moved) return;
+  }
+}
+
+void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& triangles, std::vector<Weights>& weights) {
+  PinchedEdges pinched(triangles, weights);
+  for (const auto& [place, edges] : pinched.by_place) {
+    // One of them may stay: one that cannot be split, if there is any.
+    const auto can_split = [&](const mesh::Edge& edge) {
+      return edge.count() == 2 && face_count(middle_of(weights[edge.a], weights[edge.b])) == 0;
+    };
+    bool may_stay = std::all_of(edges.begin(), edges.end(), can_split);
+    for (const mesh::Edge& edge : edges) {
+      if (!can_split(edge) || std::exchange(may_stay, false)) continue;
+      const Weights middle = middle_of(weights[edge.a], weights[edge.b]);
+      const auto v = static_cast<std::uint32_t>(vertices.size());
+      const mesh::Vertex& a = vertices[edge.a];
+      const mesh::Vertex& b = vertices[edge.b];
+      mesh::Vertex between = mesh::interpolate(a, b, 1, 2);
+      for (int axis = 0; axis < 3; ++axis)
+        between.position[axis] = static_cast<std::int32_t>((std::int64_t{a.position[axis]} + b.position[axis]) / 2);
+      weights.push_back(middle);
+      vertices.push_back(between);
+      if (!pinched.places.try_emplace(middle, v).second) step_aside(v, weights, pinched.places);
+      split_edge(edge, v, triangles);
+    }
   }
 }
 

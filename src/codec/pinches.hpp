@@ -9,8 +9,12 @@
 namespace colossus::codec {
 
 // Moves vertices on no face by one unit of weight where edges fall together. `triangles` are those that are left after
-// merging. Vertices on faces stay: their place may depend on nothing but themselves, or neighbours would disagree. So a
-// few pinches remain at low position bits, where a surface ends twice at one place of a face. Linear.
+// merging. Vertices on faces stay: their place may depend on nothing but themselves, or neighbours would disagree. Linear.
 void separate_edges(const std::vector<mesh::Triangle>& triangles, std::vector<Weights>& weights);
+
+// Gives edges that still fall together, since their ends lie on faces, a vertex of their own in the middle. Edges within a
+// face stay: where a surface turns back on itself within one unit of weight there, a non-manifold edge remains.
+void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<mesh::Triangle>& triangles,
+                 std::vector<Weights>& weights);
 
 }  // namespace colossus::codec

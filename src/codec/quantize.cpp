@@ -140,21 +140,24 @@ Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahe
   merge_fallen_together(triangles, weights);
   cancel_opposites(triangles, mesh.vertices.size());
   separate_edges(triangles, weights);
+  std::vector<mesh::Vertex> vertices = mesh.vertices;
+  split_edges(vertices, triangles, weights);
+  for (std::size_t v = marks.size(); v < weights.size(); ++v) marks.push_back(0);
   for (std::size_t v = 0; v < weights.size(); ++v)
-    result.displacement = std::max(result.displacement, moved_by(weights[v], mesh.vertices[v].position, tetrahedron, scale));
-  order_for_cache(triangles, mesh.vertices.size());
+    result.displacement = std::max(result.displacement, moved_by(weights[v], vertices[v].position, tetrahedron, scale));
+  order_for_cache(triangles, vertices.size());
 
   QuantizedTetrahedron& out = result.tetrahedron;
   out.place = place;
-  std::vector<std::uint32_t> renumbered(mesh.vertices.size(), kNone);
+  std::vector<std::uint32_t> renumbered(vertices.size(), kNone);
   for (Triangle& t : triangles)
     for (auto& v : t) {
       if (renumbered[v] == kNone) {
         renumbered[v] = static_cast<std::uint32_t>(out.weights.size());
         out.weights.push_back(weights[v]);
         out.marks.push_back(marks[v]);
-        if (options.normals) out.normals.push_back(geometry::encode_octahedral(mesh.vertices[v].normal));
-        if (options.colors) out.colors.push_back(mesh.vertices[v].color);
+        if (options.normals) out.normals.push_back(geometry::encode_octahedral(vertices[v].normal));
+        if (options.colors) out.colors.push_back(vertices[v].color);
       }
       v = renumbered[v];
     }

@@ -45,7 +45,7 @@ TEST(Faces, ChainsAlongAnEdgeMustAddUpToNothing) {
   const auto leaf = static_cast<RowIndex>(statue->rows().size() - 1);
   ASSERT_TRUE(statue->is_leaf(leaf));
   const auto place = static_cast<std::uint8_t>(std::countr_zero(statue->rows()[leaf].tetra_mask));
-  const auto& corners = hierarchy::Diamond::at(statue->center(leaf)).tetrahedra[place].corners;
+  const auto corners = hierarchy::Diamond::at(statue->center(leaf)).tetrahedra[place].corners;
   std::vector<EdgeEntry> entries{{{leaf, place}, {{corners[0], corners[1]}, {{{1, 2, 3}, {4, 5, 6}}}}}};
   const BoundaryReport report = check_edges(*statue, entries, 5);
   EXPECT_EQ(report.mismatches, 1U);
