@@ -1,0 +1,186 @@
+#include "codec/node_codec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/hash.hpp"
+
+namespace colossus::codec {
+namespace {
+
+using mesh::Triangle;
+using Random = std::mt19937_64;
+
+// Both ends included.
+std::uint32_t pick(Random& random, std::uint32_t low, std::uint32_t high) {
+  return std::uniform_int_distribution<std::uint32_t>(low, high)(random);
+}
+
+std::uint8_t random_byte(Random& random) { return static_cast<std::uint8_t>(pick(random, 0, 255)); }
+
+std::uint8_t marks_of(const Weights& weights) {
+  std::uint8_t marks = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (weights[i] == 0) marks = static_cast<std::uint8_t>(marks | 1U << i);
+  return marks;
+}
+
+Weights random_weights(Random& random, int bits) {
+  Weights weights{};
+  std::uint32_t left = std::uint32_t{1} << bits;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::uint32_t kind = pick(random, 0, 9);  // often 0, sometimes all
+    weights[i] = i == 3 || kind == 9 ? left : kind < 2 ? 0 : pick(random, 0, left);
+    left -= weights[i];
+  }
+  return weights;
+}
+
+QuantizedTetrahedron random_part(Random& random, const NodeMesh& node, std::uint8_t place, std::uint32_t count) {
+  QuantizedTetrahedron part;
+  part.place = place;
+  for (std::uint32_t v = 0; v < count; ++v) {
+    part.weights.push_back(random_weights(random, node.position_bits));
+    part.marks.push_back(marks_of(part.weights.back()));
+    if (node.has_normals) part.normals.push_back({random_byte(random), random_byte(random)});
+    if (node.has_colors)
+      part.colors.push_back({random_byte(random), random_byte(random), random_byte(random), random_byte(random)});
+  }
+  std::uint32_t next = 0;
+  std::uint32_t extra = count == 0 ? 0 : pick(random, 3, 30);  // triangles after the last new vertex
+  while (next < count || extra > 0) {
+    extra -= next == count ? 1 : 0;
+    Triangle t{};
+    for (auto& v : t) {
+      v = next < count && pick(random, 0, 1) == 0 ? next : pick(random, 0, next == count ? count - 1 : next);
+      next += v == next ? 1 : 0;
+    }
+    part.triangles.push_back(t);
+  }
+  // The farthest that an index can be from the newest vertex.
+  if (count > 0) part.triangles.push_back({0, count - 1, 0});
+  return part;
+}
+
+NodeMesh random_node(Random& random, int bits, bool has_normals, bool has_colors, std::uint32_t most_vertices) {
+  NodeMesh node{bits, has_normals, has_colors, {}};
+  for (std::uint8_t place = 0; place < 8; ++place)
+    if (pick(random, 0, 1) == 0)
+      node.tetrahedra.push_back(random_part(random, node, place, pick(random, 0, most_vertices)));
+  return node;
+}
+
+void expect_round_trip(const NodeMesh& node) {
+  const auto decoded = decode(encode(node));
+  ASSERT_TRUE(decoded) << decoded.defect().message << " at " << decoded.defect().offset;
+  EXPECT_TRUE(decoded.value() == node);
+}
+
+TEST(NodeCodec, DecodesWhatItEncoded) {
+  std::uint64_t seed = 100;
+  for (int bits = kMinPositionBits; bits <= kMaxPositionBits; ++bits)
+    for (const bool has_normals : {false, true})
+      for (const bool has_colors : {false, true})
+        for (int round = 0; round < 8; ++round) {
+          Random random(++seed);
+          SCOPED_TRACE(testing::Message() << "seed " << seed << ", bits " << bits);
+          expect_round_trip(random_node(random, bits, has_normals, has_colors, 200));
+        }
+}
+
+// Where the width of an index changes.
+TEST(NodeCodec, DecodesAnyNumberOfVertices) {
+  for (const std::uint32_t count : {0U, 1U, 254U, 255U, 256U, 257U, 65534U, 65535U, 65536U, 65537U, 70000U}) {
+    constexpr std::uint64_t kSeed = 1;
+    SCOPED_TRACE(testing::Message() << "seed " << kSeed << ", vertices " << count);
+    Random random(kSeed);
+    NodeMesh node{12, false, false, {}};
+    node.tetrahedra.push_back(random_part(random, node, 5, count));
+    expect_round_trip(node);
+  }
+}
+
+TEST(NodeCodec, RefusesAnyOtherLength) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    NodeMesh node = random_node(random, static_cast<int>(8 + seed % 9), seed % 2 == 0, seed % 3 == 0, 20);
+    node.tetrahedra.resize(std::min<std::size_t>(node.tetrahedra.size(), 4));
+    core::Bytes bytes = encode(node);
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+      EXPECT_FALSE(decode(std::span(bytes).first(size))) << "cut to " << size << " of " << bytes.size();
+    bytes.push_back(std::byte{0});
+    EXPECT_FALSE(decode(bytes));
+  }
+}
+
+void expect_valid(const NodeMesh& node) {
+  EXPECT_GE(node.position_bits, kMinPositionBits);
+  EXPECT_LE(node.position_bits, kMaxPositionBits);
+  int last_place = -1;
+  for (const QuantizedTetrahedron& part : node.tetrahedra) {
+    EXPECT_GT(int{part.place}, last_place);
+    EXPECT_LT(int{part.place}, 8);
+    last_place = part.place;
+    const std::size_t count = part.weights.size();
+    ASSERT_EQ(part.marks.size(), count);
+    for (std::size_t v = 0; v < count; ++v) {
+      const Weights& w = part.weights[v];
+      EXPECT_EQ(std::uint64_t{w[0]} + w[1] + w[2] + w[3], std::uint64_t{1} << node.position_bits);
+      EXPECT_EQ(part.marks[v], marks_of(w));
+    }
+    EXPECT_EQ(part.normals.size(), node.has_normals ? count : 0);
+    EXPECT_EQ(part.colors.size(), node.has_colors ? count : 0);
+    for (const Triangle& t : part.triangles)
+      for (const std::uint32_t v : t) EXPECT_LT(v, count);
+  }
+}
+
+TEST(NodeCodec, AnyFlippedBitIsRefusedOrAnotherValidNode) {
+  std::size_t refused = 0;
+  std::size_t accepted = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    NodeMesh node{static_cast<int>(8 + seed % 9), seed % 2 == 0, seed % 3 == 0, {}};
+    for (const std::uint8_t place : std::array<std::uint8_t, 3>{0, 3, 7})
+      node.tetrahedra.push_back(random_part(random, node, place, 6));
+    const core::Bytes original = encode(node);
+    for (std::size_t bit = 0; bit < 8 * original.size(); ++bit) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", bit " << bit);
+      core::Bytes bytes = original;
+      bytes[bit / 8] ^= std::byte{1} << bit % 8;
+      const auto decoded = decode(bytes);
+      ++(decoded ? accepted : refused);
+      if (!decoded) continue;
+      expect_valid(decoded.value());
+      EXPECT_FALSE(decoded.value() == node);
+      EXPECT_EQ(encode(decoded.value()), bytes);
+      if (HasFailure()) return;
+    }
+  }
+  EXPECT_GT(refused, 1000U);
+  EXPECT_GT(accepted, 1000U);
+}
+
+// A change of these bytes is a new version of the format, in schemas/ too.
+TEST(NodeCodec, BytesOfVersion1StayAsTheyAre) {
+  NodeMesh node{12, true, true, {}};
+  QuantizedTetrahedron part;
+  part.place = 2;
+  part.weights = {{4096, 0, 0, 0}, {1000, 2000, 500, 596}, {0, 1, 4094, 1}, {1365, 1365, 1366, 0}};
+  part.marks = {14, 0, 1, 8};
+  part.normals = {{1, 2}, {128, 255}, {0, 7}, {64, 64}};
+  part.colors = {{1, 2, 3, 4}, {255, 254, 253, 252}, {10, 20, 30, 40}, {0, 0, 0, 255}};
+  part.triangles = {{0, 1, 2}, {1, 0, 3}};
+  node.tetrahedra = {part};
+  const core::Bytes bytes = encode(node);
+  EXPECT_EQ(bytes.size(), 5U + 9U + 4U * (3U * 2U + 1U + 2U + 4U) + 6U);
+  EXPECT_EQ(core::hash64(bytes), 0x8fa14c67950474f0ULL);
+  const auto decoded = decode(bytes);
+  ASSERT_TRUE(decoded) << decoded.defect().message;
+  EXPECT_TRUE(decoded.value() == node);
+}
+
+}  // namespace
+}  // namespace colossus::codec
