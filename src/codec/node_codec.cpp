@@ -82,10 +82,7 @@ core::Result<QuantizedTetrahedron> get_tetrahedron(ByteReader& reader, const Nod
     if (total > sum) return Defect{"barycentric weights exceed their sum", start + i * width};
     w[3] = sum - static_cast<std::uint32_t>(total);
     part.marks[i] = std::to_integer<std::uint8_t>(marks[i]);
-    std::uint8_t on_faces = 0;
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      if (w[corner] == 0) on_faces = static_cast<std::uint8_t>(on_faces | 1U << corner);
-    if (part.marks[i] != on_faces) return Defect{"a vertex's face marks are not those of its weights", start + i};
+    if (part.marks[i] != marks_of(w)) return Defect{"a vertex's face marks are not those of its weights", start + i};
   }
   if (node.has_normals) {
     part.normals.resize(n);

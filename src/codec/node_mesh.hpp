@@ -17,11 +17,19 @@ inline constexpr int kDefaultPositionBits = 12;
 // Weights of the four corners in global order; they sum to 2^position_bits.
 using Weights = std::array<std::uint32_t, 4>;
 
+// Bit i: weight i is 0, so the vertex lies on the face opposite corner i.
+inline std::uint8_t marks_of(const Weights& weights) {
+  std::uint8_t marks = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (weights[i] == 0) marks = static_cast<std::uint8_t>(marks | 1U << i);
+  return marks;
+}
+
 // One tetrahedron of a node. All vertex arrays have one entry per vertex, or none where the attribute is absent.
 struct QuantizedTetrahedron {
   std::uint8_t place = 0;
   std::vector<Weights> weights;
-  // Bit i: the vertex lies on the face opposite corner i; the same as weight i being 0.
+  // marks_of() the weights.
   std::vector<std::uint8_t> marks;
   std::vector<std::array<std::uint8_t, 2>> normals;
   std::vector<mesh::Color> colors;

@@ -108,7 +108,58 @@ void split_edge(const mesh::Edge& edge, std::uint32_t middle, std::vector<Triang
   }
 }
 
+// Neighbours along the polyline of a face, for vertices within the face and on none of its edges that have two.
+using Neighbors = std::map<std::uint32_t, std::vector<std::uint32_t>>;
+
+// Border edges of the mesh within the face opposite `corner`, but for those along its edges, which other faces share.
+Neighbors polyline_of(std::span<const mesh::Edge> edges, std::size_t corner, const std::vector<Weights>& weights) {
+  Neighbors neighbors;
+  for (const mesh::Edge& edge : edges) {
+    const Weights& a = weights[edge.a];
+    const Weights& b = weights[edge.b];
+    std::size_t common_faces = 0;
+    for (std::size_t i = 0; i < 4; ++i) common_faces += a[i] == 0 && b[i] == 0 ? 1 : 0;
+    if (a[corner] != 0 || b[corner] != 0 || common_faces != 1 || edge.forward == edge.backward) continue;
+    if (face_count(a) == 1) neighbors[edge.a].push_back(edge.b);
+    if (face_count(b) == 1) neighbors[edge.b].push_back(edge.a);
+  }
+  std::erase_if(neighbors, [](const auto& entry) { return entry.second.size() != 2; });
+  return neighbors;
+}
+
+bool is_near(const Weights& a, const Weights& b) {
+  constexpr std::uint32_t kMostUnits = 8;
+  for (std::size_t i = 0; i < 4; ++i)
+    if ((a[i] > b[i] ? a[i] - b[i] : b[i] - a[i]) > kMostUnits) return false;
+  return true;
+}
+
 }  // namespace
+
+void flatten_turns(const mesh::Mesh& mesh, std::vector<Weights>& weights) {
+  const auto share_face = [&](std::uint32_t a, std::uint32_t b) {
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      if (weights[a][corner] == 0 && weights[b][corner] == 0) return true;
+    return false;
+  };
+  std::vector<Triangle> at_faces;
+  for (const Triangle& t : mesh.triangles)
+    if (share_face(t[0], t[1]) || share_face(t[1], t[2]) || share_face(t[2], t[0])) at_faces.push_back(t);
+  const std::vector<mesh::Edge> edges = mesh::edges(at_faces);
+  std::array<Neighbors, 4> polylines;
+  for (std::size_t corner = 0; corner < 4; ++corner) polylines[corner] = polyline_of(edges, corner, weights);
+  // All turns of a round at once, so that no order matters; a flattened turn can make the next one.
+  constexpr int kMostRounds = 8;
+  for (int round = 0; round < kMostRounds; ++round) {
+    std::vector<std::pair<std::uint32_t, Weights>> moves;
+    for (const Neighbors& polyline : polylines)
+      for (const auto& [v, ends] : polyline)
+        if (weights[ends[0]] == weights[ends[1]] && weights[ends[0]] != weights[v] && is_near(weights[ends[0]], weights[v]))
+          moves.emplace_back(v, weights[ends[0]]);
+    if (moves.empty()) return;
+    for (const auto& [v, to] : moves) weights[v] = to;
+  }
+}
 
 void separate_edges(const std::vector<Triangle>& triangles, std::vector<Weights>& weights) {
   std::vector<std::uint32_t> welded(weights.size());

@@ -114,35 +114,22 @@ Weights Barycentric::weights(const geometry::Point& p, int bits) const {
   return weights;
 }
 
-std::uint8_t Barycentric::marks(const geometry::Point& p) const {
-  std::uint8_t marks = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    if (planes_[i].side(p) == 0) marks = static_cast<std::uint8_t>(marks | 1U << i);
-  return marks;
-}
-
-bool Barycentric::is_strictly_inside(const geometry::Point& p) const {
-  return std::all_of(planes_.begin(), planes_.end(), [&](const geometry::Plane& plane) { return plane.side(p) > 0; });
-}
-
 Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
                    const QuantizeOptions& options) {
   const Barycentric barycentric(tetrahedron);
   const double scale = 1.0 / static_cast<double>(std::int64_t{1} << options.position_bits);
   Quantized result;
   std::vector<Weights> weights;
-  std::vector<std::uint8_t> marks;
   for (const mesh::Vertex& vertex : mesh.vertices) {
     weights.push_back(barycentric.weights(vertex.position, options.position_bits));
-    marks.push_back(barycentric.marks(vertex.position));
   }
+  flatten_turns(mesh, weights);
   std::vector<Triangle> triangles = mesh.triangles;
   merge_fallen_together(triangles, weights);
   cancel_opposites(triangles, mesh.vertices.size());
   separate_edges(triangles, weights);
   std::vector<mesh::Vertex> vertices = mesh.vertices;
   split_edges(vertices, triangles, weights);
-  for (std::size_t v = marks.size(); v < weights.size(); ++v) marks.push_back(0);
   for (std::size_t v = 0; v < weights.size(); ++v)
     result.displacement = std::max(result.displacement, moved_by(weights[v], vertices[v].position, tetrahedron, scale));
   order_for_cache(triangles, vertices.size());
@@ -155,7 +142,7 @@ Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahe
       if (renumbered[v] == kNone) {
         renumbered[v] = static_cast<std::uint32_t>(out.weights.size());
         out.weights.push_back(weights[v]);
-        out.marks.push_back(marks[v]);
+        out.marks.push_back(marks_of(weights[v]));
         if (options.normals) out.normals.push_back(geometry::encode_octahedral(vertices[v].normal));
         if (options.colors) out.colors.push_back(vertices[v].color);
       }

@@ -17,9 +17,6 @@ class Barycentric {
   // tetrahedra coincide only on common faces. `p` must lie in the closed tetrahedron; anything else is a bug and ends
   // the program.
   Weights weights(const geometry::Point& p, int bits) const;
-  // Bit i: p lies exactly on the face opposite corner i.
-  std::uint8_t marks(const geometry::Point& p) const;
-  bool is_strictly_inside(const geometry::Point& p) const;
 
  private:
   std::array<geometry::Plane, 4> planes_;
