@@ -84,7 +84,7 @@ class Cuts(program.ColossusTest):
 
     def test_closed_torus_of_few_bits(self):
         torus = meshes.write_ply(self.path("torus.ply"), meshes.tube(120, 60, noise=0.01))
-        container = self.assert_closed(torus, "--leaf-triangles", 400, "--position-bits", 8)
+        container = self.assert_closed(torus, "--leaf-triangles", 400, "--position-bits", 9)
         # So few bits roughen the surface.
         self.assert_is_input(torus, container, area=1e-2)
 

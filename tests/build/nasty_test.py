@@ -37,7 +37,8 @@ class Nasty(program.ColossusTest):
         """Faces at 0, 1/4, 1/2, 3/4, 1 of the bounding box: on the planes of a careless hierarchy."""
         mesh = meshes.join(meshes.box(16, (0, 0, 0), (1, 1, 1)), meshes.box(12, (.25, .25, .25), (.5, .5, .5)),
                            meshes.box(12, (.5, .625, .625), (.75, .75, .75)))
-        container, info = self.run_through(mesh, "--leaf-triangles", 300)
+        # At 12 bits a needle is thinner than a unit of weight, which roughens the area by a third of a percent.
+        container, info = self.run_through(mesh, "--leaf-triangles", 300, "--position-bits", 16)
         self.assertEqual(info["counts"]["degenerate"], 0)
         self.assertEqual(info["counts"]["duplicate"], 0)
         self.assertEqual(info["counts"]["border_edges"], 0)
@@ -61,7 +62,8 @@ class Nasty(program.ColossusTest):
     def test_slivers(self):
         """A closed needle-toothed torus: triangles a thousand times longer than wide."""
         mesh = meshes.tube(2000, 6, inner=0.5)
-        container, info = self.run_through(mesh, "--leaf-triangles", 300)
+        # At 12 bits a needle is thinner than a unit of weight, which roughens the area by a third of a percent.
+        container, info = self.run_through(mesh, "--leaf-triangles", 300, "--position-bits", 16)
         self.assertEqual(info["counts"]["degenerate"], 0)
         self.assert_area(self.assert_levels(container, info, is_manifold=False), mesh)
 
@@ -120,7 +122,8 @@ class Nasty(program.ColossusTest):
         """No bisection thins out the triangles at the middle: a leaf stays above the limit, and is counted."""
         mesh = meshes.fan(100_000)
         start = time.monotonic()
-        container, info = self.run_through(mesh)
+        # 10^5 spokes lie closer together than 12 bits can tell.
+        container, info = self.run_through(mesh, "--position-bits", 16)
         self.assertLess(time.monotonic() - start, 60.0)
         self.assertGreater(info["above_limit"], 0)
         self.assertEqual(info["above_limit"], info["counts"]["leaves_above_limit"])
@@ -146,7 +149,8 @@ class Nasty(program.ColossusTest):
     def test_separate_tetrahedra(self):
         """Nothing is lost, however small: all of them are there in the finest cut."""
         mesh = meshes.tetrahedra(60_000, 0.004)
-        container, info = self.run_through(mesh)
+        # Nothing of them can be simplified, so nodes grow large, and 12 bits let corners of some fall together.
+        container, info = self.run_through(mesh, "--position-bits", 16)
         self.assertEqual(info["counts"]["border_edges"], 0)
         census = self.assert_levels(container, info, is_manifold=False)
         self.assert_area(census, mesh)

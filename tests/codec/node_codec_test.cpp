@@ -19,7 +19,7 @@ std::uint32_t pick(Random& random, std::uint32_t low, std::uint32_t high) {
 
 std::uint8_t random_byte(Random& random) { return static_cast<std::uint8_t>(pick(random, 0, 255)); }
 
-std::uint8_t marks_of(const Weights& weights) {
+std::uint8_t face_marks(const Weights& weights) {
   std::uint8_t marks = 0;
   for (std::size_t i = 0; i < 4; ++i)
     if (weights[i] == 0) marks = static_cast<std::uint8_t>(marks | 1U << i);
@@ -42,7 +42,7 @@ QuantizedTetrahedron random_part(Random& random, const NodeMesh& node, std::uint
   part.place = place;
   for (std::uint32_t v = 0; v < count; ++v) {
     part.weights.push_back(random_weights(random, node.position_bits));
-    part.marks.push_back(marks_of(part.weights.back()));
+    part.marks.push_back(face_marks(part.weights.back()));
     if (node.has_normals) part.normals.push_back({random_byte(random), random_byte(random)});
     if (node.has_colors)
       part.colors.push_back({random_byte(random), random_byte(random), random_byte(random), random_byte(random)});
@@ -128,7 +128,7 @@ void expect_valid(const NodeMesh& node) {
     for (std::size_t v = 0; v < count; ++v) {
       const Weights& w = part.weights[v];
       EXPECT_EQ(std::uint64_t{w[0]} + w[1] + w[2] + w[3], std::uint64_t{1} << node.position_bits);
-      EXPECT_EQ(part.marks[v], marks_of(w));
+      EXPECT_EQ(part.marks[v], face_marks(w));
     }
     EXPECT_EQ(part.normals.size(), node.has_normals ? count : 0);
     EXPECT_EQ(part.colors.size(), node.has_colors ? count : 0);

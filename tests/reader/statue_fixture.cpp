@@ -157,7 +157,8 @@ WorldMesh sphere(int rounds) {
   return mesh;
 }
 
-StatueFixture::StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits) {
+StatueFixture::StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits,
+                             const std::optional<geometry::Lattice>& lattice) {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   folder_ = std::filesystem::path(::testing::TempDir()) /
             fmt::format("reader_{}_{}_{}", test->test_suite_name(), test->name(), ::getpid());
@@ -165,7 +166,7 @@ StatueFixture::StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, 
   path_ = folder_ / "statue.h5";
   geometry::Bounds bounds;
   for (const WorldPoint& p : mesh.points) bounds.add(p);
-  lattice_ = geometry::Lattice::fit(bounds);
+  lattice_ = lattice ? *lattice : geometry::Lattice::fit(bounds);
   metadata.lattice = {lattice_.origin, lattice_.step, geometry::kRootBits};
   metadata.position_bits = position_bits;
   metadata.has_normals = true;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <functional>
 #include <map>
 #include <memory>
@@ -39,7 +40,9 @@ struct FixtureNode {
 
 class StatueFixture {
  public:
-  StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits = 12);
+  // With the lattice that fits the mesh, unless one is given.
+  StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits = 12,
+                const std::optional<geometry::Lattice>& lattice = std::nullopt);
   ~StatueFixture();
   StatueFixture(const StatueFixture&) = delete;
   StatueFixture& operator=(const StatueFixture&) = delete;

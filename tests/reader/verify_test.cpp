@@ -278,9 +278,10 @@ WorldMesh pyramid_through_a_line() {
 }
 
 TEST(Verify, KnowsSurfacesAlongEdgesOfTheHierarchy) {
-  StatueFixture fixture(pyramid_through_a_line(), 60);
+  // The world's origin in the middle of the root cube.
+  const geometry::Lattice lattice{{-67108864.125, -67108864.25, -67108864.5}, 0.125};
+  StatueFixture fixture(pyramid_through_a_line(), 60, 12, lattice);
   const auto statue = fixture.open();
-  ASSERT_EQ(statue->lattice().step, 0.125);
   const VerifyReport report = verify(*statue);
   // Vertices a few lattice units from the line may be pinched together with it by quantisation; nothing else.
   EXPECT_EQ(report.total(), report.count(FindingKind::kNonManifold)) << to_text(report);
