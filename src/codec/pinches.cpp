@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/hash.hpp"
+#include "mesh/adjacency.hpp"
 #include "mesh/topology.hpp"
 
 namespace colossus::codec {
@@ -97,16 +98,33 @@ Weights middle_of(const Weights& a, const Weights& b) {
   return middle;
 }
 
-void split_edge(const mesh::Edge& edge, std::uint32_t middle, std::vector<Triangle>& triangles) {
-  const std::size_t count = triangles.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!has_vertex(triangles[i], edge.a) || !has_vertex(triangles[i], edge.b)) continue;
-    Triangle half = triangles[i];
-    std::replace(half.begin(), half.end(), edge.a, middle);
-    std::replace(triangles[i].begin(), triangles[i].end(), edge.b, middle);
-    triangles.push_back(half);
+// Splits edges while it keeps track of the triangles around their ends.
+class EdgeSplitter {
+ public:
+  EdgeSplitter(std::vector<Triangle>& triangles, std::size_t vertex_count) : triangles_(triangles) {
+    around_.build(triangles, vertex_count);
   }
-}
+
+  void split(const mesh::Edge& edge, std::uint32_t middle) {
+    const auto before = around_.around(edge.a);
+    std::vector<std::uint32_t> candidates(before.begin(), before.end());
+    const auto& later = added_[edge.a];
+    candidates.insert(candidates.end(), later.begin(), later.end());
+    for (const auto i : candidates) {
+      if (!has_vertex(triangles_[i], edge.a) || !has_vertex(triangles_[i], edge.b)) continue;
+      Triangle half = triangles_[i];
+      std::replace(half.begin(), half.end(), edge.a, middle);
+      std::replace(triangles_[i].begin(), triangles_[i].end(), edge.b, middle);
+      for (const auto v : half) added_[v].push_back(static_cast<std::uint32_t>(triangles_.size()));
+      triangles_.push_back(half);
+    }
+  }
+
+ private:
+  std::vector<Triangle>& triangles_;
+  mesh::Adjacency around_;
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> added_;
+};
 
 // Neighbours along the polyline of a face, for vertices within the face and on none of its edges that have two.
 using Neighbors = std::map<std::uint32_t, std::vector<std::uint32_t>>;
@@ -201,6 +219,8 @@ void separate_edges(const std::vector<Triangle>& triangles, std::vector<Weights>
 
 void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& triangles, std::vector<Weights>& weights) {
   PinchedEdges pinched(triangles, weights);
+  if (pinched.by_place.empty()) return;
+  EdgeSplitter splitter(triangles, weights.size());
   for (const auto& [place, edges] : pinched.by_place) {
     // One of them may stay: one that cannot be split, if there is any.
     const auto can_split = [&](const mesh::Edge& edge) {
@@ -219,7 +239,7 @@ void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& tri
       weights.push_back(middle);
       vertices.push_back(between);
       if (!pinched.places.try_emplace(middle, v).second) step_aside(v, weights, pinched.places);
-      split_edge(edge, v, triangles);
+      splitter.split(edge, v);
     }
   }
 }
