@@ -123,7 +123,7 @@ class Reader:
 
 
 def index_type(vertex_count):
-    return "<u1" if vertex_count <= 2**8 else "<u2" if vertex_count <= 2**16 else "<u4"
+    return "<u1" if vertex_count < 2**8 else "<u2" if vertex_count < 2**16 else "<u4"
 
 
 def decode_payload(data):

@@ -15,8 +15,9 @@ constexpr std::uint8_t kMaxPlaces = 8;
 
 // A weight can be 2^bits itself, at a corner.
 std::size_t weight_bytes(int position_bits) { return position_bits < 16 ? 2 : 4; }
+// What is stored can be as large as the number of vertices: vertex 0, seen after the last new one.
 std::size_t index_bytes(std::size_t vertex_count) {
-  return vertex_count <= 0x100 ? 1 : vertex_count <= 0x10000 ? 2 : 4;
+  return vertex_count <= 0xff ? 1 : vertex_count <= 0xffff ? 2 : 4;
 }
 
 void put_sized(ByteWriter& writer, std::uint32_t value, std::size_t bytes) {

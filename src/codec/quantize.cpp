@@ -24,7 +24,8 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
 bool has_equal_corners(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 // Merges vertices that fall together within a triangle, and drops what that makes degenerate.
-void merge_fallen_together(std::vector<Triangle>& triangles, const std::vector<Weights>& weights) {
+// Returns the vertex that each has become.
+std::vector<std::uint32_t> merge_fallen_together(std::vector<Triangle>& triangles, const std::vector<Weights>& weights) {
   std::vector<std::uint32_t> parents(weights.size());
   for (std::uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
   for (const Triangle& t : triangles)
@@ -36,6 +37,8 @@ void merge_fallen_together(std::vector<Triangle>& triangles, const std::vector<W
   for (Triangle& t : triangles)
     for (auto& v : t) v = find_root(parents, v);
   std::erase_if(triangles, has_equal_corners);
+  for (std::uint32_t v = 0; v < parents.size(); ++v) parents[v] = find_root(parents, v);
+  return parents;
 }
 
 // Removes pairs of triangles with the same corners in opposite order: together they bound nothing.
@@ -125,13 +128,14 @@ Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahe
   }
   flatten_turns(mesh, weights);
   std::vector<Triangle> triangles = mesh.triangles;
-  merge_fallen_together(triangles, weights);
+  std::vector<std::uint32_t> roots = merge_fallen_together(triangles, weights);
   cancel_opposites(triangles, mesh.vertices.size());
   separate_edges(triangles, weights);
   std::vector<mesh::Vertex> vertices = mesh.vertices;
   split_edges(vertices, triangles, weights);
+  for (auto v = static_cast<std::uint32_t>(roots.size()); v < vertices.size(); ++v) roots.push_back(v);
   for (std::size_t v = 0; v < weights.size(); ++v)
-    result.displacement = std::max(result.displacement, moved_by(weights[v], vertices[v].position, tetrahedron, scale));
+    result.displacement = std::max(result.displacement, moved_by(weights[roots[v]], vertices[v].position, tetrahedron, scale));
   order_for_cache(triangles, vertices.size());
 
   QuantizedTetrahedron& out = result.tetrahedron;

@@ -34,8 +34,13 @@ Fan fan_of(std::uint32_t v, const Region& region, const mesh::Adjacency& adjacen
     }
   }
   std::size_t steps = 0;
+  // Once round, or to the open end; a second fan is not met.
   if (is_regular)
-    for (std::uint32_t at = start; next[at] != kNone && steps < around.size(); at = next[at]) ++steps;
+    for (std::uint32_t at = start; next[at] != kNone;) {
+      ++steps;
+      at = next[at];
+      if (at == start) break;
+    }
   for (const auto i : around) {
     const auto [from, to] = sides(i);
     next[from] = kNone;

@@ -81,7 +81,7 @@ class Hierarchy(unittest.TestCase):
 
 class Payload(unittest.TestCase):
     def test_index_types_follow_the_vertex_count(self):
-        self.assertEqual([rc.index_type(n) for n in (256, 257, 65536, 65537)], ["<u1", "<u2", "<u2", "<u4"])
+        self.assertEqual([rc.index_type(n) for n in (255, 256, 65535, 65536)], ["<u1", "<u2", "<u2", "<u4"])
 
     def test_corners(self):
         codes = numpy.array([0, 0, 0, 1, 3, 0], dtype="<u1")
