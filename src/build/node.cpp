@@ -43,7 +43,7 @@ std::size_t target_of(const NodeSettings& settings, const std::vector<PlacedMesh
   }
   // Above half only to keep the tetrahedra filled, and never so far that a level would stall.
   const std::uint64_t floor = settings.floor_triangles * static_cast<std::uint64_t>(std::popcount(places));
-  return std::max(total / 2, std::min(floor, total - total / 4));
+  return std::max(total / 2, std::min(floor, total - total / 5));
 }
 
 std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond,
@@ -158,7 +158,7 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
     result.statistics.angles.below_5_degrees += angles.below_5_degrees;
     result.statistics.angles.below_15_degrees += angles.below_15_degrees;
     result.statistics.angles.below_30_degrees += angles.below_30_degrees;
-    result.statistics.reached_triangles += part.content.mesh.triangles.size();
+    if (!task.is_leaf) result.statistics.reached_triangles += part.content.mesh.triangles.size();
     const double displacement = stored.displacement * settings.lattice.step;
     result.displacement = std::max(result.displacement, displacement);
     if (task.is_leaf && part.content.mesh.triangles.size() > settings.leaf_triangles)

@@ -32,12 +32,13 @@ struct NodeTask {
 
 // Sums over the nodes of a level; integers, so that they do not depend on any order.
 struct NodeStatistics {
-  std::uint64_t initial_triangles = 0;  // of the children, before simplification
+  // Of inner nodes: what there was of the children, what was aimed at, what was reached before quantisation.
+  std::uint64_t initial_triangles = 0;
   std::uint64_t target_triangles = 0;
-  std::uint64_t reached_triangles = 0;  // before quantisation drops what it makes degenerate
+  std::uint64_t reached_triangles = 0;
   std::uint64_t initial_vertices = 0;
   std::uint64_t locked_vertices = 0;
-  simplify::AngleCounts angles;
+  simplify::AngleCounts angles;  // of leaves too
 };
 
 struct NodeResult {

@@ -1,8 +1,11 @@
 #include "reader/info.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
 
 namespace colossus::reader {
 namespace {
@@ -66,17 +69,61 @@ std::string cell_exact(const container::LevelColumn& column, std::uint32_t level
   return cell(column, level);
 }
 
+// A share of two stored columns, for people: what the builder's counts mean.
+struct Share {
+  const char* title;
+  const char* part;
+  const char* whole;
+};
+constexpr std::array<Share, 6> kShares{{{"target", "target_triangles", "initial_triangles"},
+                                        {"reached", "reached_triangles", "initial_triangles"},
+                                        {"locked", "locked_vertices", "initial_vertices"},
+                                        {"<5 deg", "angle_below_5", "triangles"},
+                                        {"<15 deg", "angle_below_15", "triangles"},
+                                        {"<30 deg", "angle_below_30", "triangles"}}};
+
+const container::LevelColumn* find_column(const container::Metadata& meta, std::string_view name) {
+  for (const auto& column : meta.levels)
+    if (column.name == name) return &column;
+  return nullptr;
+}
+
+std::optional<double> value_of(const container::Metadata& meta, std::string_view name, std::uint32_t level) {
+  const container::LevelColumn* column = find_column(meta, name);
+  if (column == nullptr || level >= column_size(*column)) return std::nullopt;
+  return std::visit([&](const auto& values) { return static_cast<double>(values[level]); }, column->values);
+}
+
+std::string share_cell(const container::Metadata& meta, const Share& share, std::uint32_t level) {
+  const auto part = value_of(meta, share.part, level);
+  const auto whole = value_of(meta, share.whole, level);
+  return part && whole && *whole > 0.0 ? fmt::format("{:.1f}%", 100.0 * *part / *whole) : "-";
+}
+
+// Whether the table says this already, by the node table or as a share.
+bool is_shown(std::string_view name) {
+  constexpr std::array<std::string_view, 8> kShown{"level",        "nodes",         "leaves", "vertices", "triangles",
+                                                   "stored_bytes", "payload_bytes", "error"};
+  return std::find(kShown.begin(), kShown.end(), name) != kShown.end() ||
+         std::any_of(kShares.begin(), kShares.end(),
+                     [&](const Share& share) { return name == share.part || name == share.whole; });
+}
+
 std::string level_table(const Statue& statue, const Summary& summary) {
   std::vector<std::vector<std::string>> table{
       {"level", "nodes", "leaves", "triangles", "vertices", "bytes", "bits/vertex", "error"}};
-  for (const auto& column : statue.metadata().levels) table.front().push_back(column.name);
+  const container::Metadata& meta = statue.metadata();
+  for (const Share& share : kShares) table.front().push_back(share.title);
+  for (const auto& column : meta.levels)
+    if (!is_shown(column.name)) table.front().push_back(column.name);
   for (const LevelRow& level : summary.levels) {
     table.push_back({fmt::format("{}", level.level), fmt::format("{}", level.nodes),
                      fmt::format("{}", level.leaves), fmt::format("{}", level.triangles),
                      fmt::format("{}", level.vertices), fmt::format("{}", level.bytes),
                      fmt::format("{:.2f}", level.bits_per_vertex()), fmt::format("{:.6g}", level.error)});
-    for (const auto& column : statue.metadata().levels)
-      table.back().push_back(cell_exact(column, level.level));
+    for (const Share& share : kShares) table.back().push_back(share_cell(meta, share, level.level));
+    for (const auto& column : meta.levels)
+      if (!is_shown(column.name)) table.back().push_back(cell_exact(column, level.level));
   }
   std::vector<std::size_t> widths(table.front().size(), 0);
   for (const auto& line : table)
@@ -105,7 +152,7 @@ std::string info_text(const Statue& statue) {
   text += fmt::format(
       "positions           {} bits per weight; a leaf's vertex moves by at most {:.6g}, of which the lattice "
       "{:.6g}\n",
-      meta.position_bits, summary.quantisation_error + statue.lattice().input_error(),
+      meta.position_bits, summary.quantisation_error,
       statue.lattice().input_error());
   text += fmt::format("attributes          {}\n", meta.has_normals
                                                       ? meta.has_colors ? "normals, colours" : "normals"
@@ -119,6 +166,8 @@ std::string info_text(const Statue& statue) {
     text += fmt::format("input count         {} {}\n", count.name, count.value);
   text += fmt::format("nodes               {}, of which {} leaves above the limit\n\n", statue.rows().size(),
                       summary.above_limit);
+  text += "target, reached: share of the triangles that the level's inner nodes were made of; locked: of their vertices;\n"
+          "< n deg: share of triangles with a smaller angle than that\n\n";
   return text + level_table(statue, summary);
 }
 

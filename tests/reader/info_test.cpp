@@ -48,7 +48,7 @@ TEST(Info, TextHasALinePerLevelAndAllStoredColumns) {
   for (const char* word :
        {"bits/vertex", "target", "locked", "generated.ply", "border_edges", "lattice", "diamonds"})
     EXPECT_NE(text.find(word), std::string::npos) << word;
-  const std::string table = text.substr(text.find("\n\n") + 2);
+  const std::string table = text.substr(text.rfind("\n\n") + 2);
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), statue->deepest_level() + 2);
 }
 
