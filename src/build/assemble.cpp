@@ -6,8 +6,8 @@
 namespace colossus::build {
 namespace {
 
-container::Metadata metadata_of(const BuildOptions& options, const Catalog& catalog, const NodeSettings& settings,
-                                const Hierarchy& hierarchy) {
+container::Metadata metadata_of(const BuildOptions& options, const Catalog& catalog,
+                                const NodeSettings& settings, const Hierarchy& hierarchy) {
   container::Metadata metadata;
   metadata.lattice = {catalog.lattice.origin, catalog.lattice.step, geometry::kRootBits};
   metadata.position_bits = settings.quantize.position_bits;

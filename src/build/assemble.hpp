@@ -6,7 +6,8 @@
 
 namespace colossus::build {
 
-// Writes options.output from the chunks in scratch and returns its size in bytes. On rank 0 only; not collective.
+// Writes options.output from the chunks in scratch and returns its size in bytes. On rank 0 only; not
+// collective.
 std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const NodeSettings& settings,
                        const Hierarchy& hierarchy);
 

@@ -61,7 +61,9 @@ class LatticePlacement {
   }
 
  private:
-  std::size_t owner(std::size_t block) const { return block % static_cast<std::size_t>(workspace_.ranks.size()); }
+  std::size_t owner(std::size_t block) const {
+    return block % static_cast<std::size_t>(workspace_.ranks.size());
+  }
 
   Vertex placed(const std::array<double, 3>& position) const {
     Vertex v;
@@ -90,8 +92,8 @@ class LatticePlacement {
             vertices.back().normal = geometry::to_normal16(normals[v][0], normals[v][1], normals[v][2]);
           if (!colors.empty()) vertices.back().color = colors[v];
         }
-        catalog_.vertex_blocks[i].record =
-            workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kVertices), core::as_bytes(vertices));
+        catalog_.vertex_blocks[i].record = workspace_.writer.append(
+            static_cast<std::uint32_t>(RecordKind::kVertices), core::as_bytes(vertices));
       });
     });
     share_records();
@@ -142,7 +144,8 @@ class LatticePlacement {
         to_each[r].assign(view.begin(), view.end());
       }
       for (const Bytes& bytes : workspace_.ranks.exchange(std::move(to_each)))
-        for (const Contribution& c : ByteReader(bytes).get_array<Contribution>(bytes.size() / sizeof(Contribution)))
+        for (const Contribution& c :
+             ByteReader(bytes).get_array<Contribution>(bytes.size() / sizeof(Contribution)))
           add(*store, c);
     }
   }
@@ -151,13 +154,17 @@ class LatticePlacement {
                   std::vector<std::vector<Contribution>>& outgoing) {
     const Bytes bytes = workspace_.reader.read(block.record);
     for (const auto& t : ByteReader(bytes).get_array<mesh::Triangle>(block.count)) {
-      const std::array<std::uint64_t, 3> v{block.first_vertex + t[0], block.first_vertex + t[1], block.first_vertex + t[2]};
+      const std::array<std::uint64_t, 3> v{block.first_vertex + t[0], block.first_vertex + t[1],
+                                           block.first_vertex + t[2]};
       const auto& p = store[v[0]].position;
       const auto& q = store[v[1]].position;
       const auto& r = store[v[2]].position;
-      const std::array<std::int64_t, 3> a{std::int64_t{q.x} - p.x, std::int64_t{q.y} - p.y, std::int64_t{q.z} - p.z};
-      const std::array<std::int64_t, 3> b{std::int64_t{r.x} - p.x, std::int64_t{r.y} - p.y, std::int64_t{r.z} - p.z};
-      const std::array<std::int64_t, 3> n{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+      const std::array<std::int64_t, 3> a{std::int64_t{q.x} - p.x, std::int64_t{q.y} - p.y,
+                                          std::int64_t{q.z} - p.z};
+      const std::array<std::int64_t, 3> b{std::int64_t{r.x} - p.x, std::int64_t{r.y} - p.y,
+                                          std::int64_t{r.z} - p.z};
+      const std::array<std::int64_t, 3> n{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                                          a[0] * b[1] - a[1] * b[0]};
       for (const std::uint64_t vertex : v) {
         const std::size_t to = owner(store.find(vertex));
         if (to == static_cast<std::size_t>(workspace_.ranks.rank()))
@@ -170,8 +177,9 @@ class LatticePlacement {
 
   void add(const VertexStore& store, const Contribution& c) {
     const std::size_t block = store.find(c.vertex);
-    sums_[block / static_cast<std::size_t>(workspace_.ranks.size())][c.vertex - catalog_.vertex_blocks[block].first].add(
-        c.normal);
+    sums_[block / static_cast<std::size_t>(workspace_.ranks.size())]
+         [c.vertex - catalog_.vertex_blocks[block].first]
+             .add(c.normal);
   }
 
   template <typename T>
@@ -204,11 +212,13 @@ class LatticePlacement {
       std::sort(all.begin(), all.end());
       std::vector<std::uint64_t> repeated;
       for (std::size_t i = 1; i < all.size(); ++i)
-        if (all[i] == all[i - 1] && (repeated.empty() || repeated.back() != all[i])) repeated.push_back(all[i]);
+        if (all[i] == all[i - 1] && (repeated.empty() || repeated.back() != all[i]))
+          repeated.push_back(all[i]);
       std::vector<std::vector<std::uint8_t>> flags(size);
       for (std::size_t r = 0; r < size; ++r)
         for (const std::uint64_t hash : received[r])
-          flags[r].push_back(!repeated.empty() && std::binary_search(repeated.begin(), repeated.end(), hash) ? 1 : 0);
+          flags[r].push_back(
+              !repeated.empty() && std::binary_search(repeated.begin(), repeated.end(), hash) ? 1 : 0);
       flags_back = workspace_.ranks.exchange(to_bytes(flags));
     }
     std::vector<std::vector<SharedVertex>> outgoing(size);
@@ -241,7 +251,8 @@ class LatticePlacement {
   template <typename Visit>
   void for_each_vertex(const Visit& visit) {
     for (std::size_t block = 0; block < mine_.size(); ++block)
-      for (std::size_t index = 0; index < mine_[block].size(); ++index) visit(block, index, mine_[block][index]);
+      for (std::size_t index = 0; index < mine_[block].size(); ++index)
+        visit(block, index, mine_[block][index]);
   }
 
   SharedVertex shared_vertex(std::size_t block, std::size_t index, const Vertex& v) const {
@@ -255,7 +266,8 @@ class LatticePlacement {
     return shared;
   }
 
-  // Normals that were read are summed, else the computed ones; colours are averaged. No sum depends on the order.
+  // Normals that were read are summed, else the computed ones; colours are averaged. No sum depends on the
+  // order.
   std::vector<std::vector<MergedAttributes>> merge(const std::vector<std::vector<SharedVertex>>& arrived) {
     struct Entry {
       const SharedVertex* vertex;
@@ -268,7 +280,8 @@ class LatticePlacement {
       for (std::size_t i = 0; i < arrived[r].size(); ++i) entries.push_back({&arrived[r][i], {r, i}});
     }
     std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-      return a.vertex->position != b.vertex->position ? a.vertex->position < b.vertex->position : a.slot < b.slot;
+      return a.vertex->position != b.vertex->position ? a.vertex->position < b.vertex->position
+                                                      : a.slot < b.slot;
     });
     for (std::size_t i = 0; i < entries.size();) {
       std::size_t end = i;
@@ -280,7 +293,8 @@ class LatticePlacement {
         const SharedVertex& v = *entries[end].vertex;
         read.add({v.normal[0], v.normal[1], v.normal[2]});
         for (std::size_t k = 0; k < 3; ++k)
-          computed.sum[k] += static_cast<Wide>(static_cast<unsigned __int128>(v.computed[2 * k + 1]) << 64 | v.computed[2 * k]);
+          computed.sum[k] += static_cast<Wide>(static_cast<unsigned __int128>(v.computed[2 * k + 1]) << 64 |
+                                               v.computed[2 * k]);
         for (std::size_t k = 0; k < 4; ++k) color[k] += v.color[k];
         differed |= v.normal != entries[i].vertex->normal || v.color != entries[i].vertex->color;
       }
@@ -288,7 +302,8 @@ class LatticePlacement {
       const bool was_read = read.sum[0] != 0 || read.sum[1] != 0 || read.sum[2] != 0;
       MergedAttributes merged{};
       merged.normal = was_read ? normal_of(read) : normal_of(computed);
-      for (std::size_t k = 0; k < 4; ++k) merged.color[k] = static_cast<std::uint8_t>((2 * color[k] + count) / (2 * count));
+      for (std::size_t k = 0; k < 4; ++k)
+        merged.color[k] = static_cast<std::uint8_t>((2 * color[k] + count) / (2 * count));
       for (std::size_t k = i; k < end; ++k) answers[entries[k].slot[0]][entries[k].slot[1]] = merged;
       merged_vertices_ += count - 1;
       attribute_seams_ += differed ? 1 : 0;
@@ -302,9 +317,10 @@ class LatticePlacement {
       std::size_t k = 0;
       for_my_share(workspace_.ranks, catalog_.vertex_blocks.size(), [&](std::size_t i) {
         for (std::size_t v = 0; v < mine_[k].size(); ++v)
-          if (is_unknown(mine_[k][v].normal)) mine_[k][v].normal = normal_of(sums_[k].empty() ? WideNormal{} : sums_[k][v]);
-        catalog_.vertex_blocks[i].record =
-            workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kFinalVertices), core::as_bytes(mine_[k]));
+          if (is_unknown(mine_[k][v].normal))
+            mine_[k][v].normal = normal_of(sums_[k].empty() ? WideNormal{} : sums_[k][v]);
+        catalog_.vertex_blocks[i].record = workspace_.writer.append(
+            static_cast<std::uint32_t>(RecordKind::kFinalVertices), core::as_bytes(mine_[k]));
         ++k;
       });
     });
@@ -313,8 +329,8 @@ class LatticePlacement {
 
   const Workspace& workspace_;
   Catalog& catalog_;
-  std::vector<std::vector<Vertex>> mine_;        // of the blocks that this rank owns
-  std::vector<std::vector<WideNormal>> sums_;    // parallel, or empty where nothing is to be computed
+  std::vector<std::vector<Vertex>> mine_;      // of the blocks that this rank owns
+  std::vector<std::vector<WideNormal>> sums_;  // parallel, or empty where nothing is to be computed
   bool has_unknown_normals_ = false;
   std::uint64_t merged_vertices_ = 0;
   std::uint64_t attribute_seams_ = 0;
@@ -322,6 +338,8 @@ class LatticePlacement {
 
 }  // namespace
 
-void place_on_lattice(const Workspace& workspace, Catalog& catalog) { LatticePlacement(workspace, catalog).run(); }
+void place_on_lattice(const Workspace& workspace, Catalog& catalog) {
+  LatticePlacement(workspace, catalog).run();
+}
 
 }  // namespace colossus::build

@@ -13,8 +13,8 @@ using core::Bytes;
 using core::ByteWriter;
 using geometry::Point;
 
-// A bucket is one task later: enough of them for many ranks, and each so far above one leaf that its ancestors would
-// be split anyway (centroids count duplicates, leaves do not).
+// A bucket is one task later: enough of them for many ranks, and each so far above one leaf that its
+// ancestors would be split anyway (centroids count duplicates, leaves do not).
 constexpr std::uint64_t kLeavesPerBucket = 8;
 constexpr std::uint64_t kLeastBucketTriangles = 1 << 17;
 constexpr int kMaxDepth = 7;  // 2^21 counters, 16 MB
@@ -53,7 +53,8 @@ class BucketFiller {
   }
 
   std::size_t cell_index(std::int32_t x, std::int32_t y, std::int32_t z) const {
-    return (static_cast<std::size_t>(z) << depth_ | static_cast<std::size_t>(y)) << depth_ | static_cast<std::size_t>(x);
+    return (static_cast<std::size_t>(z) << depth_ | static_cast<std::size_t>(y)) << depth_ |
+           static_cast<std::size_t>(x);
   }
 
   template <typename Visit>
@@ -94,14 +95,16 @@ class BucketFiller {
     std::uint64_t sum = 0;
     for (std::int32_t z = cube.z << finer; z < (cube.z + 1) << finer; ++z)
       for (std::int32_t y = cube.y << finer; y < (cube.y + 1) << finer; ++y)
-        for (std::int32_t x = cube.x << finer; x < (cube.x + 1) << finer; ++x) sum += counts_[cell_index(x, y, z)];
+        for (std::int32_t x = cube.x << finer; x < (cube.x + 1) << finer; ++x)
+          sum += counts_[cell_index(x, y, z)];
     return sum;
   }
 
   void descend(const Cube& cube) {
     if (cube.depth < depth_ && count_in(cube) > bucket_limit()) {
       for (int child = 0; child < 8; ++child)
-        descend({cube.depth + 1, 2 * cube.x + (child & 1), 2 * cube.y + (child >> 1 & 1), 2 * cube.z + (child >> 2)});
+        descend({cube.depth + 1, 2 * cube.x + (child & 1), 2 * cube.y + (child >> 1 & 1),
+                 2 * cube.z + (child >> 2)});
       return;
     }
     const int finer = depth_ - cube.depth;
@@ -122,7 +125,9 @@ class BucketFiller {
           writer.put(i);
           return writer.take();
         },
-        [&](std::span<const std::byte> task) { return distribute_block(ByteReader(task).get<std::size_t>()); },
+        [&](std::span<const std::byte> task) {
+          return distribute_block(ByteReader(task).get<std::size_t>());
+        },
         [&](std::size_t i, Bytes result) {
           pieces[i] = ByteReader(result).get_array<BucketPiece>(result.size() / sizeof(BucketPiece));
         });
@@ -152,15 +157,18 @@ class BucketFiller {
     for (std::size_t i = 0; i < assigned.size();) {
       triangles.clear();
       const std::uint32_t bucket = assigned[i].bucket;
-      for (; i < assigned.size() && assigned[i].bucket == bucket; ++i) triangles.push_back(assigned[i].triangle);
+      for (; i < assigned.size() && assigned[i].bucket == bucket; ++i)
+        triangles.push_back(assigned[i].triangle);
       pieces.push_back({bucket, static_cast<std::uint32_t>(triangles.size()),
-                        workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kBucket), core::as_bytes(triangles))});
+                        workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kBucket),
+                                                 core::as_bytes(triangles))});
     }
     const auto view = core::as_bytes(pieces);
     return {view.begin(), view.end()};
   }
 
-  void find_buckets(const Point& p, const Point& q, const Point& r, std::vector<std::uint32_t>& touched) const {
+  void find_buckets(const Point& p, const Point& q, const Point& r,
+                    std::vector<std::uint32_t>& touched) const {
     const int shift = geometry::kRootBits - depth_;
     std::array<std::int32_t, 3> low;
     std::array<std::int32_t, 3> high;

@@ -23,12 +23,13 @@ using BucketTriangle = std::array<std::uint64_t, 3>;
 
 struct Bucket {
   Cube cube;
-  std::vector<scratch::RecordRef> records;  // on rank 0: arrays of BucketTriangle, in the order of the input's faces
+  std::vector<scratch::RecordRef>
+      records;  // on rank 0: arrays of BucketTriangle, in the order of the input's faces
   std::uint64_t triangle_count = 0;
 };
 
-// Sends every triangle that is not degenerate to all buckets that its bounding box meets; counts the degenerate ones in
-// the catalogue. The buckets are the same on all ranks but for their records. Collective.
+// Sends every triangle that is not degenerate to all buckets that its bounding box meets; counts the
+// degenerate ones in the catalogue. The buckets are the same on all ranks but for their records. Collective.
 std::vector<Bucket> fill_buckets(const Workspace& workspace, Catalog& catalog);
 
 }  // namespace colossus::build

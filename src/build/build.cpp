@@ -18,47 +18,52 @@ namespace {
 void check_options(const cluster::Communicator& ranks, const BuildOptions& options) {
   ranks.attempt([&] {
     if (options.leaf_triangles < 16)
-      core::fail(core::Status::kUsage, "--leaf-triangles {} is too small; the least is 16", options.leaf_triangles);
+      core::fail(core::Status::kUsage, "--leaf-triangles {} is too small; the least is 16",
+                 options.leaf_triangles);
     if (options.position_bits < codec::kMinPositionBits || options.position_bits > codec::kMaxPositionBits)
-      core::fail(core::Status::kUsage, "--position-bits {} is out of range; choose {} to {}", options.position_bits,
-                 codec::kMinPositionBits, codec::kMaxPositionBits);
+      core::fail(core::Status::kUsage, "--position-bits {} is out of range; choose {} to {}",
+                 options.position_bits, codec::kMinPositionBits, codec::kMaxPositionBits);
     if (options.tolerance && !(*options.tolerance > 0.0))
       core::fail(core::Status::kUsage, "--tolerance {} is not a positive length", *options.tolerance);
   });
 }
 
-// The bits that keep every leaf's quantisation within the tolerance. Rounding changes the weights by at most three units
-// in all (one each for three corners that must not become 0), so it moves a vertex by at most three times the longest edge
-// over 2^bits.
+// The bits that keep every leaf's quantisation within the tolerance. Rounding changes the weights by at most
+// three units in all (one each for three corners that must not become 0), so it moves a vertex by at most
+// three times the longest edge over 2^bits.
 constexpr double kWeightUnits = 3.0;
 
 int bits_for_tolerance(double tolerance, const Partition& partition, const geometry::Lattice& lattice) {
   double longest = 0.0;
   for (const TetrahedronRecord& leaf : partition.leaves) {
     const hierarchy::Diamond diamond = hierarchy::Diamond::at(leaf.id.center);
-    longest = std::max(longest, std::sqrt(static_cast<double>(squared_distance(diamond.ends[0], diamond.ends[1]))));
+    longest =
+        std::max(longest, std::sqrt(static_cast<double>(squared_distance(diamond.ends[0], diamond.ends[1]))));
   }
   for (int bits = codec::kMinPositionBits; bits <= codec::kMaxPositionBits; ++bits)
     if (kWeightUnits * longest * lattice.step / static_cast<double>(1 << bits) <= tolerance) return bits;
-  core::warn("--tolerance {} is finer than {} bits in the largest leaf give ({}); use smaller leaves", tolerance,
-             codec::kMaxPositionBits, kWeightUnits * longest * lattice.step / static_cast<double>(1 << codec::kMaxPositionBits));
+  core::warn("--tolerance {} is finer than {} bits in the largest leaf give ({}); use smaller leaves",
+             tolerance, codec::kMaxPositionBits,
+             kWeightUnits * longest * lattice.step / static_cast<double>(1 << codec::kMaxPositionBits));
   return codec::kMaxPositionBits;
 }
 
 void log_survey(const Catalog& catalog) {
   const InputCounts& c = catalog.counts;
-  core::log("survey: {} vertices, {} triangles ({} polygons as fans, {} faces with fewer than 3 corners skipped)",
-            c.vertices, c.triangles, c.polygons, c.small_faces);
-  core::log("survey: bounds {} {} {} to {} {} {}", catalog.bounds.low[0], catalog.bounds.low[1], catalog.bounds.low[2],
-            catalog.bounds.high[0], catalog.bounds.high[1], catalog.bounds.high[2]);
+  core::log(
+      "survey: {} vertices, {} triangles ({} polygons as fans, {} faces with fewer than 3 corners skipped)",
+      c.vertices, c.triangles, c.polygons, c.small_faces);
+  core::log("survey: bounds {} {} {} to {} {} {}", catalog.bounds.low[0], catalog.bounds.low[1],
+            catalog.bounds.low[2], catalog.bounds.high[0], catalog.bounds.high[1], catalog.bounds.high[2]);
 }
 
 void log_partition(const Catalog& catalog, const Partition& partition) {
   const InputCounts& c = catalog.counts;
   std::uint64_t triangles = 0;
   for (const TetrahedronRecord& leaf : partition.leaves) triangles += leaf.triangles;
-  core::log("partition: {} degenerate and {} duplicate triangles dropped; {} border and {} non-manifold edges",
-            c.degenerate, c.duplicate, c.border_edges, c.nonmanifold_edges);
+  core::log(
+      "partition: {} degenerate and {} duplicate triangles dropped; {} border and {} non-manifold edges",
+      c.degenerate, c.duplicate, c.border_edges, c.nonmanifold_edges);
   core::log("partition: {} triangles in {} leaf tetrahedra", triangles, partition.leaves.size());
 }
 
@@ -81,7 +86,8 @@ BuildReport run_phases(const Workspace& workspace) {
   settings.quantize.position_bits = workspace.options.position_bits;
   if (workspace.options.tolerance) {
     if (ranks.is_root())
-      settings.quantize.position_bits = bits_for_tolerance(*workspace.options.tolerance, leaves, catalog.lattice);
+      settings.quantize.position_bits =
+          bits_for_tolerance(*workspace.options.tolerance, leaves, catalog.lattice);
     broadcast_value(ranks, settings.quantize.position_bits);
   }
   settings.quantize.normals = true;
@@ -108,7 +114,8 @@ BuildReport build(const cluster::Communicator& ranks, const BuildOptions& option
   std::filesystem::path scratch = options.scratch;
   if (scratch.empty()) scratch = options.output.string() + ".scratch";
   ranks.attempt([&] {
-    const std::filesystem::path folder = options.output.has_parent_path() ? options.output.parent_path() : ".";
+    const std::filesystem::path folder =
+        options.output.has_parent_path() ? options.output.parent_path() : ".";
     if (ranks.is_root() && !std::filesystem::is_directory(folder))
       core::fail(core::Status::kCannotCreate, "{}: the folder {} does not exist", options.output.string(),
                  folder.string());

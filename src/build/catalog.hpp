@@ -18,20 +18,21 @@ namespace colossus::build {
 
 // Kinds of scratch records.
 enum class RecordKind : std::uint32_t {
-  kRawVertices = 1,   // as read: doubles
-  kTriangles = 2,     // indices within the file
-  kVertices = 3,      // mesh::Vertex, on the lattice
-  kFinalVertices = 4, // the same with all normals, equal attributes at equal positions
-  kBucket = 5,        // BucketTriangle
-  kTetrahedron = 6,   // a TetrahedronMesh
-  kChunk = 7,         // a frame of the container
+  kRawVertices = 1,    // as read: doubles
+  kTriangles = 2,      // indices within the file
+  kVertices = 3,       // mesh::Vertex, on the lattice
+  kFinalVertices = 4,  // the same with all normals, equal attributes at equal positions
+  kBucket = 5,         // BucketTriangle
+  kTetrahedron = 6,    // a TetrahedronMesh
+  kChunk = 7,          // a frame of the container
 };
 
 // Consecutive vertices of all files, numbered through.
 struct VertexBlockRef {
   std::uint32_t file = 0;
   std::uint32_t count = 0;
-  std::uint64_t first = 0;  // number of the first vertex; within the file until the survey is complete, then over all
+  std::uint64_t first =
+      0;  // number of the first vertex; within the file until the survey is complete, then over all
   scratch::RecordRef record;
 };
 
@@ -52,15 +53,16 @@ struct InputFile {
 
 struct InputCounts {
   std::uint64_t vertices = 0;
-  std::uint64_t triangles = 0;       // as read, polygons as fans
-  std::uint64_t polygons = 0;        // faces with more than three corners
-  std::uint64_t small_faces = 0;     // faces with fewer than three corners, skipped
-  std::uint64_t degenerate = 0;      // dropped
-  std::uint64_t duplicate = 0;       // dropped
+  std::uint64_t triangles = 0;    // as read, polygons as fans
+  std::uint64_t polygons = 0;     // faces with more than three corners
+  std::uint64_t small_faces = 0;  // faces with fewer than three corners, skipped
+  std::uint64_t degenerate = 0;   // dropped
+  std::uint64_t duplicate = 0;    // dropped
   std::uint64_t border_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
-  std::uint64_t merged_vertices = 0;    // vertices at a position that an earlier one has
-  std::uint64_t attribute_seams = 0;    // positions whose vertices had different attributes, which were averaged
+  std::uint64_t merged_vertices = 0;  // vertices at a position that an earlier one has
+  std::uint64_t attribute_seams =
+      0;  // positions whose vertices had different attributes, which were averaged
 };
 
 struct Catalog {
@@ -87,8 +89,9 @@ class VertexStore {
   }
   // Number of the block that holds a vertex.
   std::size_t find(std::uint64_t vertex) const {
-    const auto after = std::upper_bound(blocks_->begin(), blocks_->end(), vertex,
-                                        [](std::uint64_t v, const VertexBlockRef& block) { return v < block.first; });
+    const auto after =
+        std::upper_bound(blocks_->begin(), blocks_->end(), vertex,
+                         [](std::uint64_t v, const VertexBlockRef& block) { return v < block.first; });
     return static_cast<std::size_t>(after - blocks_->begin()) - 1;
   }
   std::span<const mesh::Vertex> block(std::size_t index) const { return spans_[index]; }

@@ -12,7 +12,8 @@ using hierarchy::Tetrahedron;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr std::size_t kFirstOuterBit = 8;
 
-// The corners of the diamond that are no ends of its long edge, in order: inner face i holds the long edge and ring[i].
+// The corners of the diamond that are no ends of its long edge, in order: inner face i holds the long edge
+// and ring[i].
 std::vector<Point> ring_of(const Diamond& diamond) {
   std::vector<Point> ring;
   for (int place = 0; place < diamond.place_count; ++place)
@@ -49,11 +50,13 @@ std::array<std::array<simplify::FaceMask, 4>, 8> face_bits(const Diamond& diamon
 simplify::Region make_region(const Diamond& diamond, std::span<const PlacedMesh> parts) {
   simplify::Region region;
   const auto bits = face_bits(diamond);
-  for (std::size_t bit = kFirstOuterBit; bit < kFirstOuterBit + 16; ++bit) region.outer_faces |= simplify::FaceMask{1} << bit;
+  for (std::size_t bit = kFirstOuterBit; bit < kFirstOuterBit + 16; ++bit)
+    region.outer_faces |= simplify::FaceMask{1} << bit;
   for (int place = 0; place < diamond.place_count; ++place) {
     std::array<geometry::Plane, 4> planes;
     for (int corner = 0; corner < 4; ++corner)
-      planes[static_cast<std::size_t>(corner)] = diamond.tetrahedra[static_cast<std::size_t>(place)].face_plane(corner);
+      planes[static_cast<std::size_t>(corner)] =
+          diamond.tetrahedra[static_cast<std::size_t>(place)].face_plane(corner);
     region.cell_planes.push_back(planes);
   }
   std::vector<mesh::Vertex> vertices;
@@ -65,7 +68,8 @@ simplify::Region make_region(const Diamond& diamond, std::span<const PlacedMesh>
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       simplify::FaceMask mask = 0;
       for (std::size_t corner = 0; corner < 4; ++corner)
-        if (region.cell_planes[part.place][corner].side(mesh.vertices[v].position) == 0) mask |= bits[part.place][corner];
+        if (region.cell_planes[part.place][corner].side(mesh.vertices[v].position) == 0)
+          mask |= bits[part.place][corner];
       vertices.push_back(mesh.vertices[v]);
       faces.push_back(mask);
     }

@@ -1,5 +1,5 @@
-// The diamonds scheme's answers about one diamond: how the halves of its tetrahedra become one mesh, and which faces
-// its vertices may not leave (paper 004, section 4.2; src/README.md).
+// The diamonds scheme's answers about one diamond: how the halves of its tetrahedra become one mesh, and
+// which faces its vertices may not leave (paper 004, section 4.2; src/README.md).
 #pragma once
 
 #include <span>
@@ -16,8 +16,8 @@ struct PlacedMesh {
 };
 
 // Welds the parts by position; equal positions take the first one's attributes. Every
-// vertex gets a bit for each face of the diamond's tetrahedra that it lies on exactly: up to 8 inner faces, which hold
-// the long edge, and up to 16 outer ones.
+// vertex gets a bit for each face of the diamond's tetrahedra that it lies on exactly: up to 8 inner faces,
+// which hold the long edge, and up to 16 outer ones.
 simplify::Region make_region(const hierarchy::Diamond& diamond, std::span<const PlacedMesh> parts);
 
 // The region's triangles by place; vertices in order of first use.

@@ -34,9 +34,10 @@ class LevelBuilder {
     broadcast_value(workspace_.ranks, levels);
     for (auto level = static_cast<int>(levels) - 1; level >= 0; --level)
       run_tasks(inner_tasks(level), fmt::format("level {}", level));
-    std::sort(hierarchy_.nodes.begin(), hierarchy_.nodes.end(), [](const FinishedNode& a, const FinishedNode& b) {
-      return a.row.level != b.row.level ? a.row.level < b.row.level : a.row.center < b.row.center;
-    });
+    std::sort(hierarchy_.nodes.begin(), hierarchy_.nodes.end(),
+              [](const FinishedNode& a, const FinishedNode& b) {
+                return a.row.level != b.row.level ? a.row.level < b.row.level : a.row.center < b.row.center;
+              });
     return std::move(hierarchy_);
   }
 
@@ -47,7 +48,8 @@ class LevelBuilder {
       NodeTask task;
       task.center = center;
       task.is_leaf = true;
-      for (const TetrahedronRecord& leaf : members) task.parts.push_back({leaf.id.place, 0, leaf.triangles, 0, leaf.record});
+      for (const TetrahedronRecord& leaf : members)
+        task.parts.push_back({leaf.id.place, 0, leaf.triangles, 0, leaf.record});
       tasks.push_back(std::move(task));
     }
     return tasks;
@@ -71,14 +73,16 @@ class LevelBuilder {
     for (int place = 0; place < diamond.place_count; ++place) {
       if (!diamond.is_inside[static_cast<std::size_t>(place)]) continue;
       for (const int end : {0, 1}) {
-        const TetrahedronId child = hierarchy::id_of(diamond.tetrahedra[static_cast<std::size_t>(place)].child(end));
-        // A child counts even when only its other tetrahedra hold geometry: errors grow from every node to its parents.
+        const TetrahedronId child =
+            hierarchy::id_of(diamond.tetrahedra[static_cast<std::size_t>(place)].child(end));
+        // A child counts even when only its other tetrahedra hold geometry: errors grow from every node to
+        // its parents.
         if (const auto error = errors_.find(child.center); error != errors_.end())
           task.least_error = std::max(task.least_error, error->second);
         const auto entry = tetrahedra_.find(child);
         if (entry == tetrahedra_.end()) continue;
-        task.parts.push_back({static_cast<std::uint32_t>(place), static_cast<std::uint32_t>(end), entry->second.triangles,
-                              0, entry->second.record});
+        task.parts.push_back({static_cast<std::uint32_t>(place), static_cast<std::uint32_t>(end),
+                              entry->second.triangles, 0, entry->second.record});
       }
     }
     return task;

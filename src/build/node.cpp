@@ -47,7 +47,8 @@ std::size_t target_of(const NodeSettings& settings, const std::vector<PlacedMesh
 }
 
 std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond,
-                                      std::vector<PlacedMesh>&& parts, NodeStatistics& statistics, double& deviation) {
+                                      std::vector<PlacedMesh>&& parts, NodeStatistics& statistics,
+                                      double& deviation) {
   const std::size_t target = target_of(settings, parts);
   for (PlacedMesh& part : parts) add_missing_samples(part.content);
   simplify::Region region = make_region(diamond, parts);
@@ -152,8 +153,8 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
   StoredBounds bounds;
   for (const PlacedMesh& part : parts) {
     const hierarchy::Tetrahedron& tetrahedron = diamond.tetrahedra[part.place];
-    codec::Quantized stored =
-        codec::quantize(part.content.mesh, tetrahedron, static_cast<std::uint8_t>(part.place), settings.quantize);
+    codec::Quantized stored = codec::quantize(part.content.mesh, tetrahedron,
+                                              static_cast<std::uint8_t>(part.place), settings.quantize);
     const simplify::AngleCounts angles = simplify::count_small_angles(part.content.mesh);
     result.statistics.angles.below_5_degrees += angles.below_5_degrees;
     result.statistics.angles.below_15_degrees += angles.below_15_degrees;

@@ -1,4 +1,5 @@
-// One node of the hierarchy as a task: from the tetrahedra in scratch to a chunk, and to tetrahedra for its parents.
+// One node of the hierarchy as a task: from the tetrahedra in scratch to a chunk, and to tetrahedra for its
+// parents.
 #pragma once
 
 #include <array>
@@ -11,7 +12,8 @@
 
 namespace colossus::build {
 
-// A tetrahedron to build a node from: for a leaf the tetrahedron itself, else one half of the tetrahedron at `place`.
+// A tetrahedron to build a node from: for a leaf the tetrahedron itself, else one half of the tetrahedron at
+// `place`.
 struct NodePart {
   std::uint32_t place = 0;
   std::uint32_t end = 0;  // which half: the one with this end of the long edge; unused for leaves
@@ -45,8 +47,8 @@ struct NodeResult {
   container::NodeRow row;
   scratch::RecordRef chunk;
   NodeStatistics statistics;
-  double displacement = 0.0;                    // by quantisation, world units
-  std::vector<TetrahedronRecord> tetrahedra;    // empty for leaves: they are in scratch already
+  double displacement = 0.0;                  // by quantisation, world units
+  std::vector<TetrahedronRecord> tetrahedra;  // empty for leaves: they are in scratch already
 
   core::Bytes to_bytes() const;
   static NodeResult from_bytes(std::span<const std::byte> bytes);
@@ -61,8 +63,8 @@ struct NodeSettings {
   double input_error = 0.0;  // world units, by which the lattice moved the input
 };
 
-// Simplifies (unless it is a leaf), quantises, encodes and packs one node; appends chunk and tetrahedra to scratch.
-// Not collective; this is where the time of a build goes.
+// Simplifies (unless it is a leaf), quantises, encodes and packs one node; appends chunk and tetrahedra to
+// scratch. Not collective; this is where the time of a build goes.
 NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, const NodeTask& task);
 
 }  // namespace colossus::build

@@ -14,15 +14,16 @@ namespace colossus::build {
 struct BuildOptions {
   std::vector<std::string> inputs;  // files, or @list.txt
   std::filesystem::path output;
-  std::filesystem::path scratch;          // empty: <output>.scratch
-  std::uint64_t leaf_triangles = 8000;    // per tetrahedron, after clipping
+  std::filesystem::path scratch;        // empty: <output>.scratch
+  std::uint64_t leaf_triangles = 8000;  // per tetrahedron, after clipping
   int position_bits = codec::kDefaultPositionBits;
-  std::optional<double> tolerance;        // world units; chooses position_bits
+  std::optional<double> tolerance;  // world units; chooses position_bits
   bool drop_textures = false;
 };
 
-// Inner nodes keep at least this many triangles per non-empty tetrahedron: strict halving would let nodes shrink by a
-// fifth per level, since a surface fills only some 1.6 of the 2 halves of a tetrahedron (src/README.md).
+// Inner nodes keep at least this many triangles per non-empty tetrahedron: strict halving would let nodes
+// shrink by a fifth per level, since a surface fills only some 1.6 of the 2 halves of a tetrahedron
+// (src/README.md).
 inline std::uint64_t floor_triangles(const BuildOptions& options) { return options.leaf_triangles / 4; }
 
 }  // namespace colossus::build

@@ -21,7 +21,8 @@ using hierarchy::Point;
 using hierarchy::Tetrahedron;
 using mesh::Mesh;
 
-// Slivers that every plane cuts would multiply without end: a tenth fewer in the larger half, but twice as many in all.
+// Slivers that every plane cuts would multiply without end: a tenth fewer in the larger half, but twice as
+// many in all.
 constexpr double kMostGrowth = 8.0;
 
 // What a bucket or a forced split gives back.
@@ -34,7 +35,8 @@ struct Refinement {
 
   Bytes to_bytes() const {
     ByteWriter writer;
-    writer.put(std::array<std::uint64_t, 5>{leaves.size(), splits.size(), duplicates, border_edges, nonmanifold_edges});
+    writer.put(std::array<std::uint64_t, 5>{leaves.size(), splits.size(), duplicates, border_edges,
+                                            nonmanifold_edges});
     writer.put_array<TetrahedronRecord>(leaves);
     writer.put_array<Point>(splits);
     return writer.take();
@@ -137,7 +139,8 @@ class BucketMesh {
     for (const BucketTriangle& t : triangles) {
       mesh::Triangle corners;
       for (std::size_t k = 0; k < 3; ++k) {
-        const auto [entry, is_new] = local.try_emplace(t[k], static_cast<std::uint32_t>(mesh_.vertices.size()));
+        const auto [entry, is_new] =
+            local.try_emplace(t[k], static_cast<std::uint32_t>(mesh_.vertices.size()));
         if (is_new) mesh_.vertices.push_back(store[t[k]]);
         corners[k] = entry->second;
       }
@@ -147,17 +150,19 @@ class BucketMesh {
 
   const Point& position(std::uint32_t v) const { return mesh_.vertices[v].position; }
 
-  // Same positions in the same cyclic order: all but the first go. Each is counted in the one bucket that holds its
-  // least corner, which lies on no plane.
+  // Same positions in the same cyclic order: all but the first go. Each is counted in the one bucket that
+  // holds its least corner, which lies on no plane.
   void drop_duplicates() {
-    const std::vector<std::uint32_t> first = mesh::first_with_same_corners(mesh_.triangles, mesh_.vertices.size());
+    const std::vector<std::uint32_t> first =
+        mesh::first_with_same_corners(mesh_.triangles, mesh_.vertices.size());
     std::vector<bool> is_duplicate(mesh_.triangles.size(), false);
     // Of each group the first triangle of either orientation stays.
     std::unordered_map<std::uint32_t, bool> has_opposite;
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
       if (first[i] == i) continue;
       const mesh::Triangle& t = mesh_.triangles[i];
-      is_duplicate[i] = mesh::has_same_orientation(t, mesh_.triangles[first[i]]) || std::exchange(has_opposite[first[i]], true);
+      is_duplicate[i] = mesh::has_same_orientation(t, mesh_.triangles[first[i]]) ||
+                        std::exchange(has_opposite[first[i]], true);
       const Point least = std::min({position(t[0]), position(t[1]), position(t[2])});
       if (is_duplicate[i] && cube_.contains(least)) ++duplicates_;
     }
@@ -183,8 +188,8 @@ class BucketMesh {
   std::uint64_t nonmanifold_edges_ = 0;
 };
 
-// Cuts a bucket's triangles from the root on, following only tetrahedra that reach into its cube: everybody enters
-// through the same sequence of planes.
+// Cuts a bucket's triangles from the root on, following only tetrahedra that reach into its cube: everybody
+// enters through the same sequence of planes.
 class BucketCutter {
  public:
   BucketCutter(const Cube& cube, Refiner& refiner, Refinement& out) : refiner_(refiner), out_(out) {
@@ -299,7 +304,8 @@ class Partitioner {
         [&](std::span<const std::byte> task) {
           ByteReader reader(task);
           const auto cube = reader.get<Cube>();
-          const auto records = reader.get_array<scratch::RecordRef>(reader.remaining() / sizeof(scratch::RecordRef));
+          const auto records =
+              reader.get_array<scratch::RecordRef>(reader.remaining() / sizeof(scratch::RecordRef));
           BucketMesh bucket(workspace_, *store, cube, records);
           Refinement out;
           out.duplicates = bucket.duplicates();
@@ -345,7 +351,9 @@ class Partitioner {
   bool complete_diamonds() {
     std::vector<TetrahedronRecord> forced;
     if (workspace_.ranks.is_root()) {
-      const auto is_forced = [&](const TetrahedronRecord& leaf) { return partition_.splits.contains(leaf.id.center); };
+      const auto is_forced = [&](const TetrahedronRecord& leaf) {
+        return partition_.splits.contains(leaf.id.center);
+      };
       std::copy_if(partition_.leaves.begin(), partition_.leaves.end(), std::back_inserter(forced), is_forced);
       std::erase_if(partition_.leaves, is_forced);
     }
@@ -363,10 +371,12 @@ class Partitioner {
         [&](std::span<const std::byte> task) {
           const auto leaf = ByteReader(task).get<TetrahedronRecord>();
           Refinement out;
-          // A leaf above the limit was not worth splitting; its halves are split no further than others demand.
+          // A leaf above the limit was not worth splitting; its halves are split no further than others
+          // demand.
           const double growth = leaf.triangles > workspace_.options.leaf_triangles ? kMostGrowth + 1.0 : 1.0;
           Refiner(workspace_, partition_.splits)
-              .split_into(hierarchy::tetrahedron_of(leaf.id), std::move(load(workspace_, leaf.record).mesh), growth, out);
+              .split_into(hierarchy::tetrahedron_of(leaf.id), std::move(load(workspace_, leaf.record).mesh),
+                          growth, out);
           return out.to_bytes();
         },
         [&](std::size_t i, Bytes result) { results[i] = Refinement::from_bytes(result); });
@@ -383,6 +393,8 @@ class Partitioner {
 
 }  // namespace
 
-Partition partition(const Workspace& workspace, Catalog& catalog) { return Partitioner(workspace, catalog).run(); }
+Partition partition(const Workspace& workspace, Catalog& catalog) {
+  return Partitioner(workspace, catalog).run();
+}
 
 }  // namespace colossus::build

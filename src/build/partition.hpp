@@ -10,17 +10,19 @@ namespace colossus::build {
 using DiamondSet = std::unordered_set<hierarchy::Point, geometry::PointHash>;
 
 struct Partition {
-  DiamondSet splits;                      // closed under parents; the same on all ranks
-  std::vector<TetrahedronRecord> leaves;  // on rank 0: the non-empty leaf tetrahedra, ordered by level, centre, place
+  DiamondSet splits;  // closed under parents; the same on all ranks
+  std::vector<TetrahedronRecord>
+      leaves;  // on rank 0: the non-empty leaf tetrahedra, ordered by level, centre, place
 };
 
-// Collective. First the triangles go to buckets, the cubes of a coarse octree made from exact counts of centroids; then
-// each bucket's triangles are cut by the planes from the root on, duplicates dropped, and tetrahedra bisected while they
-// hold more than --leaf-triangles and a bisection helps; then diamonds are completed until the hierarchy conforms.
-// A tetrahedron above the limit stays a leaf when its larger half would keep more than nine tenths of its triangles, and
-// halves together more than 1.05 times as many: a split that merely moves all into one half is followed further, so that
-// a far outlier does not leave the statue in one leaf. It also stays when the cuts on the way to it have made more than
-// eight pieces of each triangle, as happens to bundles of long slivers. Fills the catalogue's counts of degenerate and duplicate
+// Collective. First the triangles go to buckets, the cubes of a coarse octree made from exact counts of
+// centroids; then each bucket's triangles are cut by the planes from the root on, duplicates dropped, and
+// tetrahedra bisected while they hold more than --leaf-triangles and a bisection helps; then diamonds are
+// completed until the hierarchy conforms. A tetrahedron above the limit stays a leaf when its larger half
+// would keep more than nine tenths of its triangles, and halves together more than 1.05 times as many: a
+// split that merely moves all into one half is followed further, so that a far outlier does not leave the
+// statue in one leaf. It also stays when the cuts on the way to it have made more than eight pieces of each
+// triangle, as happens to bundles of long slivers. Fills the catalogue's counts of degenerate and duplicate
 // triangles and of border and non-manifold edges.
 Partition partition(const Workspace& workspace, Catalog& catalog);
 

@@ -38,7 +38,8 @@ class ScratchSink : public input::BlockSink {
     ref.file = file_;
     ref.count = static_cast<std::uint32_t>(block.positions.size());
     ref.first = first;
-    const std::array<std::uint64_t, 2> present{block.normals.empty() ? 0U : 1U, block.colors.empty() ? 0U : 1U};
+    const std::array<std::uint64_t, 2> present{block.normals.empty() ? 0U : 1U,
+                                               block.colors.empty() ? 0U : 1U};
     ref.record = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kRawVertices),
                                           {std::as_bytes(std::span(present)), core::as_bytes(block.positions),
                                            core::as_bytes(block.normals), core::as_bytes(block.colors)});
@@ -50,8 +51,8 @@ class ScratchSink : public input::BlockSink {
     TriangleBlockRef ref;
     ref.file = file_;
     ref.count = static_cast<std::uint32_t>(block.triangles.size());
-    ref.record =
-        workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kTriangles), core::as_bytes(block.triangles));
+    ref.record = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kTriangles),
+                                          core::as_bytes(block.triangles));
     triangle_blocks.push_back(ref);
   }
 
@@ -110,19 +111,23 @@ class Survey {
       for (const auto& path : input::expand_inputs(workspace_.options.inputs)) {
         sources_.push_back(input::open_source(path, {workspace_.options.drop_textures}));
         const input::SourceInfo& info = sources_.back()->info();
-        catalog_.files.push_back({path.filename().string(), info.bytes, "", info.has_normals, info.has_colors});
+        catalog_.files.push_back(
+            {path.filename().string(), info.bytes, "", info.has_normals, info.has_colors});
         catalog_.has_normals |= info.has_normals;
         catalog_.has_colors |= info.has_colors;
         core::log("input {}: {}, {} vertices, {} faces{}{}", path.string(), info.format, info.vertex_count,
                   info.face_count, info.has_normals ? ", normals" : "", info.has_colors ? ", colours" : "");
-        for (const std::string& name : info.skipped) core::log("input {}: {} is skipped", path.string(), name);
-        for (const std::string& name : info.textures) core::log("input {}: {} is dropped", path.string(), name);
+        for (const std::string& name : info.skipped)
+          core::log("input {}: {} is skipped", path.string(), name);
+        for (const std::string& name : info.textures)
+          core::log("input {}: {} is dropped", path.string(), name);
       }
     });
   }
 
   void run_tasks(const std::vector<SurveyTask>& tasks) {
-    // Results arrive in any order; they are kept by task, so that blocks come in the order of the files' faces.
+    // Results arrive in any order; they are kept by task, so that blocks come in the order of the files'
+    // faces.
     std::vector<Bytes> results(tasks.size());
     run_farm(
         workspace_.ranks, tasks.size(),
@@ -140,7 +145,8 @@ class Survey {
     is_irregular_.resize(sources_.size(), false);
     for (std::size_t i = 0; i < tasks.size(); ++i) {
       if (tasks[i].is_hash != 0)
-        catalog_.files[tasks[i].file].hash.assign(reinterpret_cast<const char*>(results[i].data()), results[i].size());
+        catalog_.files[tasks[i].file].hash.assign(reinterpret_cast<const char*>(results[i].data()),
+                                                  results[i].size());
       else
         take_part(tasks[i].file, results[i]);
     }
@@ -171,7 +177,8 @@ class Survey {
     const auto vertex_blocks = reader.get_array<VertexBlockRef>(reader.get<std::size_t>());
     catalog_.vertex_blocks.insert(catalog_.vertex_blocks.end(), vertex_blocks.begin(), vertex_blocks.end());
     const auto triangle_blocks = reader.get_array<TriangleBlockRef>(reader.get<std::size_t>());
-    catalog_.triangle_blocks.insert(catalog_.triangle_blocks.end(), triangle_blocks.begin(), triangle_blocks.end());
+    catalog_.triangle_blocks.insert(catalog_.triangle_blocks.end(), triangle_blocks.begin(),
+                                    triangle_blocks.end());
     COLOSSUS_CHECK(!reader.failed());
   }
 
@@ -219,10 +226,11 @@ class Survey {
     broadcast_value(workspace_.ranks, catalog_.bounds);
     broadcast_value(workspace_.ranks, catalog_.counts);
     if (catalog_.counts.triangles == 0)
-      throw cluster::AgreedError(core::Status::kBadData,
-                                 fmt::format("{}: the input has {} vertices but no triangles; nothing can be built",
-                                             sources_.size() == 1 ? sources_[0]->info().path.string() : "all inputs",
-                                             catalog_.counts.vertices));
+      throw cluster::AgreedError(
+          core::Status::kBadData,
+          fmt::format("{}: the input has {} vertices but no triangles; nothing can be built",
+                      sources_.size() == 1 ? sources_[0]->info().path.string() : "all inputs",
+                      catalog_.counts.vertices));
   }
 
   const Workspace& workspace_;

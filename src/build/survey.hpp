@@ -6,13 +6,14 @@
 
 namespace colossus::build {
 
-// The catalogue of raw blocks with bounds and counts; the same on all ranks. Throws on bad data and when there is no
-// triangle at all. Collective.
+// The catalogue of raw blocks with bounds and counts; the same on all ranks. Throws on bad data and when
+// there is no triangle at all. Collective.
 Catalog survey(const Workspace& workspace);
 
-// Phase 2: puts the vertices onto the lattice that fits the bounds, computes missing normals from the whole mesh (area
-// weighted, summed in 128-bit integers by position, so that they depend on no order), and averages the attributes of
-// vertices at one position. Replaces the catalogue's vertex blocks; fills lattice and counts. Collective.
+// Phase 2: puts the vertices onto the lattice that fits the bounds, computes missing normals from the whole
+// mesh (area weighted, summed in 128-bit integers by position, so that they depend on no order), and averages
+// the attributes of vertices at one position. Replaces the catalogue's vertex blocks; fills lattice and
+// counts. Collective.
 void place_on_lattice(const Workspace& workspace, Catalog& catalog);
 
 }  // namespace colossus::build

@@ -2,16 +2,18 @@
 
 namespace colossus::build {
 
-TetrahedronRecord store(const Workspace& workspace, const hierarchy::TetrahedronId& id, const TetrahedronMesh& content) {
+TetrahedronRecord store(const Workspace& workspace, const hierarchy::TetrahedronId& id,
+                        const TetrahedronMesh& content) {
   const std::array<std::uint64_t, 3> counts{content.mesh.vertices.size(), content.mesh.triangles.size(),
                                             content.samples.size()};
   TetrahedronRecord entry;
   entry.id = id;
   entry.vertices = static_cast<std::uint32_t>(counts[0]);
   entry.triangles = static_cast<std::uint32_t>(counts[1]);
-  entry.record = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kTetrahedron),
-                                         {std::as_bytes(std::span(counts)), core::as_bytes(content.mesh.vertices),
-                                          core::as_bytes(content.mesh.triangles), core::as_bytes(content.samples)});
+  entry.record =
+      workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kTetrahedron),
+                              {std::as_bytes(std::span(counts)), core::as_bytes(content.mesh.vertices),
+                               core::as_bytes(content.mesh.triangles), core::as_bytes(content.samples)});
   return entry;
 }
 

@@ -9,7 +9,7 @@
 namespace colossus::build {
 
 struct TetrahedronMesh {
-  mesh::Mesh mesh;                // welded; vertices in order of first use
+  mesh::Mesh mesh;                               // welded; vertices in order of first use
   std::vector<simplify::SurfaceSample> samples;  // of the input; none for leaves, which are the input
 };
 
@@ -21,7 +21,8 @@ struct TetrahedronRecord {
   scratch::RecordRef record;
 };
 
-TetrahedronRecord store(const Workspace& workspace, const hierarchy::TetrahedronId& id, const TetrahedronMesh& content);
+TetrahedronRecord store(const Workspace& workspace, const hierarchy::TetrahedronId& id,
+                        const TetrahedronMesh& content);
 TetrahedronMesh load(const Workspace& workspace, const scratch::RecordRef& record);
 
 }  // namespace colossus::build

@@ -36,10 +36,12 @@ void broadcast_value(const cluster::Communicator& ranks, T& value) {
   value = values.at(0);
 }
 
-// The part `rank` of `size` of `count` items dealt out in turn; the order of items is the same for any number of ranks.
+// The part `rank` of `size` of `count` items dealt out in turn; the order of items is the same for any number
+// of ranks.
 template <typename Visit>
 void for_my_share(const cluster::Communicator& ranks, std::size_t count, const Visit& visit) {
-  for (std::size_t i = static_cast<std::size_t>(ranks.rank()); i < count; i += static_cast<std::size_t>(ranks.size()))
+  for (std::size_t i = static_cast<std::size_t>(ranks.rank()); i < count;
+       i += static_cast<std::size_t>(ranks.size()))
     visit(i);
 }
 

@@ -8,21 +8,27 @@ namespace colossus::cli {
 void add_build(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<build::BuildOptions>();
   CLI::App* command = app.add_subcommand("build", "Build a container; run it alone, or under mpirun or srun");
-  command->add_option("inputs", options->inputs, "PLY, OBJ, STL or OFF files, or @list.txt; together one statue")->required();
+  command
+      ->add_option("inputs", options->inputs, "PLY, OBJ, STL or OFF files, or @list.txt; together one statue")
+      ->required();
   command->add_option("-o,--output", options->output, "The container to write, e.g. statue.h5")->required();
   command->add_option("--scratch", options->scratch, "Folder for temporary files; default: <output>.scratch");
   command->add_option("--leaf-triangles", options->leaf_triangles, "Most triangles per leaf tetrahedron")
       ->capture_default_str();
-  auto* bits = command->add_option("--position-bits", options->position_bits, "Bits per barycentric weight, 8 to 16")
-                   ->capture_default_str();
-  command->add_option("--tolerance", options->tolerance,
-                      "Largest quantisation error of the finest level in the input's units; chooses the bits")
+  auto* bits =
+      command->add_option("--position-bits", options->position_bits, "Bits per barycentric weight, 8 to 16")
+          ->capture_default_str();
+  command
+      ->add_option("--tolerance", options->tolerance,
+                   "Largest quantisation error of the finest level in the input's units; chooses the bits")
       ->excludes(bits);
-  command->add_flag("--drop-textures", options->drop_textures, "Accept texture coordinates and materials, and drop them");
+  command->add_flag("--drop-textures", options->drop_textures,
+                    "Accept texture coordinates and materials, and drop them");
   command->callback([&chosen, options] {
     chosen = [options](int& argc, char**& argv) {
       return cluster::run_ranks(argc, argv, [&](cluster::Communicator& ranks) {
-        core::log("colossus {} build, {} ranks, leaf triangles {}", COLOSSUS_VERSION, ranks.size(), options->leaf_triangles);
+        core::log("colossus {} build, {} ranks, leaf triangles {}", COLOSSUS_VERSION, ranks.size(),
+                  options->leaf_triangles);
         const build::BuildReport report = build::build(ranks, *options);
         core::log("done: {} triangles into {} nodes, {} bytes: {}", report.input_triangles, report.nodes,
                   report.output_bytes, options->output.string());

@@ -1,13 +1,13 @@
 // The subcommands of the program. Each adds its options to the parser and fills in what runs them.
 #pragma once
 
-#include <functional>
-
 #include <CLI/CLI.hpp>
+#include <functional>
 
 namespace colossus::cli {
 
-// What the command line has chosen: given the arguments of main(), which MPI may read, it returns the exit status.
+// What the command line has chosen: given the arguments of main(), which MPI may read, it returns the exit
+// status.
 using Action = std::function<int(int& argc, char**& argv)>;
 
 void add_build(CLI::App& app, Action& chosen);

@@ -7,7 +7,9 @@
 
 int main(int argc, char** argv) {
   using colossus::core::Status;
-  CLI::App app{"Colossus turns gigantic triangle meshes into multiresolution containers that readers open out-of-core."};
+  CLI::App app{
+      "Colossus turns gigantic triangle meshes into multiresolution containers that readers open "
+      "out-of-core."};
   app.set_version_flag("--version", COLOSSUS_VERSION);
   app.require_subcommand(1);
   colossus::cli::Action chosen;

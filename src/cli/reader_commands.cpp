@@ -84,12 +84,16 @@ void add_info(CLI::App& app, Action& chosen) {
 
 void add_verify(CLI::App& app, Action& chosen) {
   auto arguments = std::make_shared<VerifyArguments>();
-  CLI::App* command = app.add_subcommand("verify", "Check a container: bytes, structure, every face, every uniform cut");
+  CLI::App* command =
+      app.add_subcommand("verify", "Check a container: bytes, structure, every face, every uniform cut");
   command->add_option("container", arguments->container, "The container")->required();
-  command->add_option("--against", arguments->against, "The input files: check the stored errors by sampling");
-  command->add_option("--samples", arguments->samples, "Samples per node with --against")->capture_default_str();
+  command->add_option("--against", arguments->against,
+                      "The input files: check the stored errors by sampling");
+  command->add_option("--samples", arguments->samples, "Samples per node with --against")
+      ->capture_default_str();
   command->add_flag("--drop-textures", arguments->drop_textures, "As for build");
-  command->callback([&chosen, arguments] { chosen = [arguments](int&, char**&) { return run_verify(*arguments); }; });
+  command->callback(
+      [&chosen, arguments] { chosen = [arguments](int&, char**&) { return run_verify(*arguments); }; });
 }
 
 void add_extract(CLI::App& app, Action& chosen) {
@@ -99,11 +103,14 @@ void add_extract(CLI::App& app, Action& chosen) {
   command->add_option("-o,--output", arguments->output, "The PLY file to write")->required();
   CLI::Option_group* cut = command->add_option_group("cut", "Which cut");
   cut->add_option("--level", arguments->level, "Every tetrahedron of this level, or the leaf above it");
-  cut->add_option("--error", arguments->error, "The coarsest cut with at most this error, in the input's units")
+  cut->add_option("--error", arguments->error,
+                  "The coarsest cut with at most this error, in the input's units")
       ->check(CLI::NonNegativeNumber);
-  cut->add_option("--triangles", arguments->triangles, "The finest cut of a fixed order with at most so many triangles");
+  cut->add_option("--triangles", arguments->triangles,
+                  "The finest cut of a fixed order with at most so many triangles");
   cut->require_option(1);
-  command->callback([&chosen, arguments] { chosen = [arguments](int&, char**&) { return run_extract(*arguments); }; });
+  command->callback(
+      [&chosen, arguments] { chosen = [arguments](int&, char**&) { return run_extract(*arguments); }; });
 }
 
 }  // namespace colossus::cli

@@ -28,8 +28,9 @@ int run(SynthArguments arguments) {
     report = input::synthesize(arguments.options, base);
   }
   const double seconds = core::elapsed_seconds() - start;
-  core::log("{}: {} vertices, {} triangles, {:.1f} million triangles per second", arguments.options.output.string(),
-            report.vertices, report.triangles, static_cast<double>(report.triangles) / 1e6 / seconds);
+  core::log("{}: {} vertices, {} triangles, {:.1f} million triangles per second",
+            arguments.options.output.string(), report.vertices, report.triangles,
+            static_cast<double>(report.triangles) / 1e6 / seconds);
   return 0;
 }
 
@@ -39,13 +40,18 @@ void add_synth(CLI::App& app, Action& chosen) {
   auto arguments = std::make_shared<SynthArguments>();
   CLI::App* command = app.add_subcommand("synth", "Write a closed, scan-like statue of any size");
   command->add_option("-o,--output", arguments->options.output, "The PLY file to write")->required();
-  command->add_option("--triangles", arguments->options.triangles, "About how many triangles")->capture_default_str();
-  command->add_option("--seed", arguments->options.seed, "Another seed, another statue")->capture_default_str();
-  command->add_option("--base", arguments->base, "A mesh to subdivide and sculpt, instead of the built-in statue");
-  command->add_flag("--shuffle", arguments->options.shuffle, "Write vertices and faces in an order without locality");
+  command->add_option("--triangles", arguments->options.triangles, "About how many triangles")
+      ->capture_default_str();
+  command->add_option("--seed", arguments->options.seed, "Another seed, another statue")
+      ->capture_default_str();
+  command->add_option("--base", arguments->base,
+                      "A mesh to subdivide and sculpt, instead of the built-in statue");
+  command->add_flag("--shuffle", arguments->options.shuffle,
+                    "Write vertices and faces in an order without locality");
   command->add_flag("--no-colors", arguments->no_colors, "Without vertex colours");
   command->add_flag("--normals", arguments->options.normals, "With vertex normals");
-  command->callback([&chosen, arguments] { chosen = [arguments](int&, char**&) { return run(*arguments); }; });
+  command->callback(
+      [&chosen, arguments] { chosen = [arguments](int&, char**&) { return run(*arguments); }; });
 }
 
 }  // namespace colossus::cli

@@ -58,7 +58,8 @@ struct Counts {
   std::uint32_t triangles;
 };
 
-core::Result<QuantizedTetrahedron> get_tetrahedron(ByteReader& reader, const NodeMesh& node, const Counts& counts) {
+core::Result<QuantizedTetrahedron> get_tetrahedron(ByteReader& reader, const NodeMesh& node,
+                                                   const Counts& counts) {
   const std::uint64_t n = counts.vertices;
   const std::size_t width = weight_bytes(node.position_bits);
   const std::uint64_t start = reader.offset();
@@ -79,21 +80,25 @@ core::Result<QuantizedTetrahedron> get_tetrahedron(ByteReader& reader, const Nod
   for (std::size_t i = 0; i < n; ++i) {
     Weights& w = part.weights[i];
     std::uint64_t total = 0;
-    for (std::size_t corner = 0; corner < 3; ++corner) total += w[corner] = get_sized(weight_planes[corner], i, width);
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      total += w[corner] = get_sized(weight_planes[corner], i, width);
     if (total > sum) return Defect{"barycentric weights exceed their sum", start + i * width};
     w[3] = sum - static_cast<std::uint32_t>(total);
     part.marks[i] = std::to_integer<std::uint8_t>(marks[i]);
-    if (part.marks[i] != marks_of(w)) return Defect{"a vertex's face marks are not those of its weights", start + i};
+    if (part.marks[i] != marks_of(w))
+      return Defect{"a vertex's face marks are not those of its weights", start + i};
   }
   if (node.has_normals) {
     part.normals.resize(n);
     for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t k = 0; k < 2; ++k) part.normals[i][k] = std::to_integer<std::uint8_t>(normals[k * n + i]);
+      for (std::size_t k = 0; k < 2; ++k)
+        part.normals[i][k] = std::to_integer<std::uint8_t>(normals[k * n + i]);
   }
   if (node.has_colors) {
     part.colors.resize(n);
     for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t k = 0; k < 4; ++k) part.colors[i][k] = std::to_integer<std::uint8_t>(colors[k * n + i]);
+      for (std::size_t k = 0; k < 4; ++k)
+        part.colors[i][k] = std::to_integer<std::uint8_t>(colors[k * n + i]);
   }
   part.triangles.resize(counts.triangles);
   std::uint32_t high_water = 0;
@@ -115,7 +120,8 @@ core::Bytes encode(const NodeMesh& node) {
   writer.put(kCodec);
   writer.put(kVersion);
   writer.put(static_cast<std::uint8_t>(node.position_bits));
-  writer.put(static_cast<std::uint8_t>((node.has_normals ? kNormalsFlag : 0) | (node.has_colors ? kColorsFlag : 0)));
+  writer.put(
+      static_cast<std::uint8_t>((node.has_normals ? kNormalsFlag : 0) | (node.has_colors ? kColorsFlag : 0)));
   writer.put(static_cast<std::uint8_t>(node.tetrahedra.size()));
   for (const QuantizedTetrahedron& part : node.tetrahedra) {
     writer.put(part.place);
@@ -136,7 +142,9 @@ core::Result<NodeMesh> decode(std::span<const std::byte> bytes) {
   const auto count = reader.get<std::uint8_t>();
   if (reader.failed()) return Defect{"the node's header is cut short", 0};
   if (codec != kCodec || version != kVersion)
-    return Defect{fmt::format("codec {} version {} is unknown; this program reads codec 1 version 1", codec, version), 0};
+    return Defect{
+        fmt::format("codec {} version {} is unknown; this program reads codec 1 version 1", codec, version),
+        0};
   if (node.position_bits < kMinPositionBits || node.position_bits > kMaxPositionBits)
     return Defect{"position bits out of range", 2};
   if (flags > (kNormalsFlag | kColorsFlag)) return Defect{"unknown attribute flags", 3};

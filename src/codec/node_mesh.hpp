@@ -1,4 +1,5 @@
-// A node's geometry as it is stored: per tetrahedron, integer barycentric weights, octahedral normals, colours.
+// A node's geometry as it is stored: per tetrahedron, integer barycentric weights, octahedral normals,
+// colours.
 #pragma once
 
 #include <array>
@@ -25,7 +26,8 @@ inline std::uint8_t marks_of(const Weights& weights) {
   return marks;
 }
 
-// One tetrahedron of a node. All vertex arrays have one entry per vertex, or none where the attribute is absent.
+// One tetrahedron of a node. All vertex arrays have one entry per vertex, or none where the attribute is
+// absent.
 struct QuantizedTetrahedron {
   std::uint8_t place = 0;
   std::vector<Weights> weights;

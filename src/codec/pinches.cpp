@@ -24,8 +24,8 @@ struct WeightsHash {
 
 using Places = std::unordered_map<Weights, std::uint32_t, WeightsHash>;
 
-// Moves a vertex by one step to a place that none of `places` is; weights that are 0 stay 0, and no others become 0.
-// False when there is no such place.
+// Moves a vertex by one step to a place that none of `places` is; weights that are 0 stay 0, and no others
+// become 0. False when there is no such place.
 bool step_aside(std::uint32_t v, std::vector<Weights>& weights, Places& places) {
   for (std::size_t to = 0; to < 4; ++to)
     for (std::size_t from = 0; from < 4; ++from) {
@@ -71,7 +71,8 @@ class PinchedEdges {
       if (edge.is_nonmanifold()) pinched.emplace(edge.a, edge.b);
     for (const mesh::Edge& edge : mesh::edges(around)) {
       const auto place = std::minmax(welded[edge.a], welded[edge.b]);
-      if (pinched.contains({place.first, place.second})) by_place[{place.first, place.second}].push_back(edge);
+      if (pinched.contains({place.first, place.second}))
+        by_place[{place.first, place.second}].push_back(edge);
     }
   }
 
@@ -126,11 +127,14 @@ class EdgeSplitter {
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> added_;
 };
 
-// Neighbours along the polyline of a face, for vertices within the face and on none of its edges that have two.
+// Neighbours along the polyline of a face, for vertices within the face and on none of its edges that have
+// two.
 using Neighbors = std::map<std::uint32_t, std::vector<std::uint32_t>>;
 
-// Border edges of the mesh within the face opposite `corner`, but for those along its edges, which other faces share.
-Neighbors polyline_of(std::span<const mesh::Edge> edges, std::size_t corner, const std::vector<Weights>& weights) {
+// Border edges of the mesh within the face opposite `corner`, but for those along its edges, which other
+// faces share.
+Neighbors polyline_of(std::span<const mesh::Edge> edges, std::size_t corner,
+                      const std::vector<Weights>& weights) {
   Neighbors neighbors;
   for (const mesh::Edge& edge : edges) {
     const Weights& a = weights[edge.a];
@@ -172,7 +176,8 @@ void flatten_turns(const mesh::Mesh& mesh, std::vector<Weights>& weights) {
     std::vector<std::pair<std::uint32_t, Weights>> moves;
     for (const Neighbors& polyline : polylines)
       for (const auto& [v, ends] : polyline)
-        if (weights[ends[0]] == weights[ends[1]] && weights[ends[0]] != weights[v] && is_near(weights[ends[0]], weights[v]))
+        if (weights[ends[0]] == weights[ends[1]] && weights[ends[0]] != weights[v] &&
+            is_near(weights[ends[0]], weights[v]))
           moves.emplace_back(v, weights[ends[0]]);
     if (moves.empty()) return;
     for (const auto& [v, to] : moves) weights[v] = to;
@@ -210,14 +215,16 @@ void separate_edges(const std::vector<Triangle>& triangles, std::vector<Weights>
     bool has_moved = false;
     for (std::uint32_t v = 0; v < weights.size() && !pinched.empty(); ++v) {
       const bool is_inner = face_count(weights[v]) == 0;
-      if (is_used[v] && is_inner && is_shared[v] && pinched.contains(welded[v]) && (welded[v] != v || round > 0))
+      if (is_used[v] && is_inner && is_shared[v] && pinched.contains(welded[v]) &&
+          (welded[v] != v || round > 0))
         has_moved |= step_aside(v, weights, places);
     }
     if (!has_moved) return;
   }
 }
 
-void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& triangles, std::vector<Weights>& weights) {
+void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& triangles,
+                 std::vector<Weights>& weights) {
   PinchedEdges pinched(triangles, weights);
   if (pinched.by_place.empty()) return;
   EdgeSplitter splitter(triangles, weights.size());
@@ -235,7 +242,8 @@ void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& tri
       const mesh::Vertex& b = vertices[edge.b];
       mesh::Vertex between = mesh::interpolate(a, b, 1, 2);
       for (int axis = 0; axis < 3; ++axis)
-        between.position[axis] = static_cast<std::int32_t>((std::int64_t{a.position[axis]} + b.position[axis]) / 2);
+        between.position[axis] =
+            static_cast<std::int32_t>((std::int64_t{a.position[axis]} + b.position[axis]) / 2);
       weights.push_back(middle);
       vertices.push_back(between);
       if (!pinched.places.try_emplace(middle, v).second) step_aside(v, weights, pinched.places);

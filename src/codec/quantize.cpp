@@ -1,14 +1,13 @@
 #include "codec/quantize.hpp"
 
+#include <meshoptimizer.h>
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
-#include <meshoptimizer.h>
-
 #include "codec/pinches.hpp"
 #include "core/error.hpp"
-
 
 namespace colossus::codec {
 namespace {
@@ -25,7 +24,8 @@ bool has_equal_corners(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] 
 
 // Merges vertices that fall together within a triangle, and drops what that makes degenerate.
 // Returns the vertex that each has become.
-std::vector<std::uint32_t> merge_fallen_together(std::vector<Triangle>& triangles, const std::vector<Weights>& weights) {
+std::vector<std::uint32_t> merge_fallen_together(std::vector<Triangle>& triangles,
+                                                 const std::vector<Weights>& weights) {
   std::vector<std::uint32_t> parents(weights.size());
   for (std::uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
   for (const Triangle& t : triangles)
@@ -64,8 +64,8 @@ void cancel_opposites(std::vector<Triangle>& triangles, std::size_t vertex_count
   triangles.resize(kept);
 }
 
-double moved_by(const Weights& weights, const geometry::Point& from, const hierarchy::Tetrahedron& tetrahedron,
-                double scale) {
+double moved_by(const Weights& weights, const geometry::Point& from,
+                const hierarchy::Tetrahedron& tetrahedron, double scale) {
   const ScaledPosition to = scaled_position(weights, tetrahedron);
   const double x = static_cast<double>(to[0]) * scale - from.x;
   const double y = static_cast<double>(to[1]) * scale - from.y;
@@ -135,7 +135,8 @@ Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahe
   split_edges(vertices, triangles, weights);
   for (auto v = static_cast<std::uint32_t>(roots.size()); v < vertices.size(); ++v) roots.push_back(v);
   for (std::size_t v = 0; v < weights.size(); ++v)
-    result.displacement = std::max(result.displacement, moved_by(weights[roots[v]], vertices[v].position, tetrahedron, scale));
+    result.displacement =
+        std::max(result.displacement, moved_by(weights[roots[v]], vertices[v].position, tetrahedron, scale));
   order_for_cache(triangles, vertices.size());
 
   QuantizedTetrahedron& out = result.tetrahedron;

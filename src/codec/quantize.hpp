@@ -1,6 +1,6 @@
-// From lattice positions to barycentric weights (paper 004, section 4.3), without its epsilons: the plane values are
-// exact integers, so a vertex on a face gets weight 0 for the opposite corner, and both sides of a face get the same
-// weights for the same point, with no case distinction.
+// From lattice positions to barycentric weights (paper 004, section 4.3), without its epsilons: the plane
+// values are exact integers, so a vertex on a face gets weight 0 for the opposite corner, and both sides of a
+// face get the same weights for the same point, with no case distinction.
 #pragma once
 
 #include "codec/node_mesh.hpp"
@@ -12,10 +12,10 @@ class Barycentric {
  public:
   explicit Barycentric(const hierarchy::Tetrahedron& tetrahedron);
 
-  // floor(lambda_i * 2^bits), the remainder to the largest fractions, ties by corner order; a corner with lambda_i > 0
-  // gets at least 1, from the largest weight. So a weight is 0 exactly on the opposite face, and vertices of different
-  // tetrahedra coincide only on common faces. `p` must lie in the closed tetrahedron; anything else is a bug and ends
-  // the program.
+  // floor(lambda_i * 2^bits), the remainder to the largest fractions, ties by corner order; a corner with
+  // lambda_i > 0 gets at least 1, from the largest weight. So a weight is 0 exactly on the opposite face, and
+  // vertices of different tetrahedra coincide only on common faces. `p` must lie in the closed tetrahedron;
+  // anything else is a bug and ends the program.
   Weights weights(const geometry::Point& p, int bits) const;
 
  private:
@@ -26,7 +26,8 @@ class Barycentric {
 
 struct Quantized {
   QuantizedTetrahedron tetrahedron;
-  // Upper bound of the distance, in lattice units, by which storing moved the surface: the largest movement of a vertex.
+  // Upper bound of the distance, in lattice units, by which storing moved the surface: the largest movement
+  // of a vertex.
   double displacement = 0.0;
 };
 
@@ -36,9 +37,10 @@ struct QuantizeOptions {
   bool colors = false;
 };
 
-// Triangles whose corners fall together are dropped and these vertices merged; opposite duplicates cancel. Vertices that
-// fall together otherwise are a pinch, which is legal unless edges do so too: then inner vertices step aside, so that
-// quantisation makes no edge non-manifold. Triangles come out in vertex-cache order, vertices in order of first use.
+// Triangles whose corners fall together are dropped and these vertices merged; opposite duplicates cancel.
+// Vertices that fall together otherwise are a pinch, which is legal unless edges do so too: then inner
+// vertices step aside, so that quantisation makes no edge non-manifold. Triangles come out in vertex-cache
+// order, vertices in order of first use.
 Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
                    const QuantizeOptions& options);
 

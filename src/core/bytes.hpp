@@ -1,5 +1,5 @@
-// Bounded little-endian reading and writing of bytes. The writer appends to a vector; the reader never reads past its
-// span: it returns zeros from the first read that does not fit, and says so in failed().
+// Bounded little-endian reading and writing of bytes. The writer appends to a vector; the reader never reads
+// past its span: it returns zeros from the first read that does not fit, and says so in failed().
 #pragma once
 
 #include <bit>
@@ -39,7 +39,9 @@ class ByteWriter {
   void put_array(std::span<const T> values) {
     put_bytes(as_bytes(values));
   }
-  void put_bytes(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+  void put_bytes(std::span<const std::byte> bytes) {
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
   std::size_t size() const { return bytes_.size(); }
   const Bytes& bytes() const { return bytes_; }
   Bytes take() { return std::move(bytes_); }

@@ -1,8 +1,10 @@
 // Errors and their exit statuses, results, and checks.
 //
-// The user's or the machine's fault is one exception type, Error, caught once in main(). Bytes that we did not write
-// ourselves are read into a Result. Our own bugs end in COLOSSUS_CHECK.
+// The user's or the machine's fault is one exception type, Error, caught once in main(). Bytes that we did
+// not write ourselves are read into a Result. Our own bugs end in COLOSSUS_CHECK.
 #pragma once
+
+#include <fmt/format.h>
 
 #include <cstdint>
 #include <stdexcept>
@@ -10,15 +12,13 @@
 #include <utility>
 #include <variant>
 
-#include <fmt/format.h>
-
 namespace colossus::core {
 
 // Exit statuses of the program, after sysexits.h.
 enum class Status : int {
   kOk = 0,
-  kUsage = 2,          // wrong command line
-  kBadData = 65,       // missing, unreadable or bad input; damaged or foreign container; verify found something
+  kUsage = 2,     // wrong command line
+  kBadData = 65,  // missing, unreadable or bad input; damaged or foreign container; verify found something
   kNoResources = 69,   // not enough memory or space
   kInternal = 70,      // a bug in Colossus
   kCannotCreate = 73,  // the output cannot be created
@@ -26,7 +26,8 @@ enum class Status : int {
   kStopped = 75,       // stopped on request; run again
 };
 
-// The user's or the machine's fault. The message says what, where, expected against found, and what to do next.
+// The user's or the machine's fault. The message says what, where, expected against found, and what to do
+// next.
 class Error : public std::runtime_error {
  public:
   Error(Status status, const std::string& message) : std::runtime_error(message), status_(status) {}
@@ -51,7 +52,7 @@ struct Defect {
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::move(value)) {}        // NOLINT: implicit on purpose
+  Result(T value) : state_(std::move(value)) {}         // NOLINT: implicit on purpose
   Result(Defect defect) : state_(std::move(defect)) {}  // NOLINT
   bool ok() const { return std::holds_alternative<T>(state_); }
   explicit operator bool() const { return ok(); }
@@ -69,8 +70,8 @@ class [[nodiscard]] Result {
 }  // namespace colossus::core
 
 // Ends the program with the place and a context when our own reasoning was wrong. Never for data.
-#define COLOSSUS_CHECK(condition, ...)                                                                    \
-  do {                                                                                                    \
-    if (!(condition)) [[unlikely]]                                                                        \
-      ::colossus::core::check_failed(#condition, __FILE__, __LINE__, ::fmt::format("" __VA_ARGS__));      \
+#define COLOSSUS_CHECK(condition, ...)                                                               \
+  do {                                                                                               \
+    if (!(condition)) [[unlikely]]                                                                   \
+      ::colossus::core::check_failed(#condition, __FILE__, __LINE__, ::fmt::format("" __VA_ARGS__)); \
   } while (false)

@@ -14,7 +14,9 @@ namespace {
 // Systems limit one call to about 2 GiB; a quarter of it keeps signals and progress responsive.
 constexpr std::size_t kMaxCallBytes = std::size_t{1} << 29;
 
-Status write_status(int error) { return error == ENOSPC || error == EDQUOT ? Status::kNoResources : Status::kIo; }
+Status write_status(int error) {
+  return error == ENOSPC || error == EDQUOT ? Status::kNoResources : Status::kIo;
+}
 
 }  // namespace
 
@@ -38,7 +40,8 @@ File File::open_for_reading(const std::filesystem::path& path) {
   File file;
   file.path_ = path;
   file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file.descriptor_ < 0) fail(Status::kBadData, "{}: cannot open: {}", path.string(), std::strerror(errno));
+  if (file.descriptor_ < 0)
+    fail(Status::kBadData, "{}: cannot open: {}", path.string(), std::strerror(errno));
   struct stat info {};
   if (::fstat(file.descriptor_, &info) != 0 || S_ISDIR(info.st_mode))
     fail(Status::kBadData, "{}: is not a file that can be read", path.string());
@@ -48,14 +51,17 @@ File File::open_for_reading(const std::filesystem::path& path) {
 File File::create(const std::filesystem::path& path, bool exclusive) {
   File file;
   file.path_ = path;
-  file.descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (exclusive ? O_EXCL : O_TRUNC), 0666);
-  if (file.descriptor_ < 0) fail(Status::kCannotCreate, "{}: cannot create: {}", path.string(), std::strerror(errno));
+  file.descriptor_ =
+      ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (exclusive ? O_EXCL : O_TRUNC), 0666);
+  if (file.descriptor_ < 0)
+    fail(Status::kCannotCreate, "{}: cannot create: {}", path.string(), std::strerror(errno));
   return file;
 }
 
 std::uint64_t File::size() const {
   struct stat info {};
-  if (::fstat(descriptor_, &info) != 0) fail(Status::kIo, "{}: cannot stat: {}", path_.string(), std::strerror(errno));
+  if (::fstat(descriptor_, &info) != 0)
+    fail(Status::kIo, "{}: cannot stat: {}", path_.string(), std::strerror(errno));
   return static_cast<std::uint64_t>(info.st_size);
 }
 
@@ -66,7 +72,8 @@ std::size_t File::read_some_at(std::uint64_t offset, std::span<std::byte> buffer
     const ssize_t got = ::pread(descriptor_, buffer.data() + done, step, static_cast<off_t>(offset + done));
     if (got < 0) {
       if (errno == EINTR) continue;
-      fail(Status::kIo, "{}: cannot read at byte {}: {}", path_.string(), offset + done, std::strerror(errno));
+      fail(Status::kIo, "{}: cannot read at byte {}: {}", path_.string(), offset + done,
+           std::strerror(errno));
     }
     if (got == 0) break;
     done += static_cast<std::size_t>(got);
@@ -77,8 +84,8 @@ std::size_t File::read_some_at(std::uint64_t offset, std::span<std::byte> buffer
 void File::read_at(std::uint64_t offset, std::span<std::byte> buffer) const {
   const std::size_t got = read_some_at(offset, buffer);
   if (got != buffer.size())
-    fail(Status::kBadData, "{}: truncated: expected {} bytes at byte {}, found {}", path_.string(), buffer.size(),
-         offset, got);
+    fail(Status::kBadData, "{}: truncated: expected {} bytes at byte {}, found {}", path_.string(),
+         buffer.size(), offset, got);
 }
 
 void File::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
@@ -88,8 +95,8 @@ void File::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
     const ssize_t put = ::pwrite(descriptor_, bytes.data() + done, step, static_cast<off_t>(offset + done));
     if (put < 0) {
       if (errno == EINTR) continue;
-      fail(write_status(errno), "{}: cannot write {} bytes at byte {}: {}", path_.string(), bytes.size() - done,
-           offset + done, std::strerror(errno));
+      fail(write_status(errno), "{}: cannot write {} bytes at byte {}: {}", path_.string(),
+           bytes.size() - done, offset + done, std::strerror(errno));
     }
     done += static_cast<std::size_t>(put);
   }

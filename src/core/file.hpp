@@ -31,7 +31,8 @@ class File {
   std::uint64_t size() const;
   // Reads up to buffer.size() bytes at offset; fewer only at the end of the file. Throws Error(kIo).
   std::size_t read_some_at(std::uint64_t offset, std::span<std::byte> buffer) const;
-  // Reads exactly buffer.size() bytes; throws Error(kBadData) that names file, offset, expected and found size.
+  // Reads exactly buffer.size() bytes; throws Error(kBadData) that names file, offset, expected and found
+  // size.
   void read_at(std::uint64_t offset, std::span<std::byte> buffer) const;
   // Writes everything at offset. Throws Error(kIo), or Error(kNoResources) when the disk is full.
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);

@@ -1,15 +1,17 @@
 // Checksums: XXH3, 64 bits for records and chunks, 128 bits where two things must be told apart for certain.
 #pragma once
 
+#include <xxhash.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include <xxhash.h>
-
 namespace colossus::core {
 
-inline std::uint64_t hash64(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+inline std::uint64_t hash64(std::span<const std::byte> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
 
 struct Hash128 {
   std::uint64_t low = 0;

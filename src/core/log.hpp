@@ -1,13 +1,14 @@
 // Log lines for log files: one line at a time, ISO time, elapsed seconds, no control characters.
 #pragma once
 
-#include <string>
-
 #include <fmt/format.h>
+
+#include <string>
 
 namespace colossus::core {
 
-// Only rank 0 writes progress lines; the cluster layer calls this at the start. Warnings are written by every rank.
+// Only rank 0 writes progress lines; the cluster layer calls this at the start. Warnings are written by every
+// rank.
 void set_log_enabled(bool enabled);
 
 // Progress, to stdout. Each line starts with the time and the seconds since the start of the program.

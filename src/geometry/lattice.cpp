@@ -11,9 +11,9 @@ namespace {
 constexpr int kCellBits = kRootBits - 3;
 constexpr double kCells = static_cast<double>(std::int64_t{1} << kCellBits);
 
-// The bounds fill at most this share of the cube, and their centre lies off the cube's centre by these shares: planes
-// of symmetry, and faces of boxes at halves and quarters of the bounds, would else lie within a unit of planes of the
-// hierarchy, where quantisation makes everything fall together.
+// The bounds fill at most this share of the cube, and their centre lies off the cube's centre by these
+// shares: planes of symmetry, and faces of boxes at halves and quarters of the bounds, would else lie within
+// a unit of planes of the hierarchy, where quantisation makes everything fall together.
 constexpr double kMostFilled = 0.9;
 constexpr std::array<double, 3> kShift{0.0271, 0.0167, 0.0353};
 
@@ -27,9 +27,11 @@ Lattice Lattice::fit(const Bounds& bounds) {
     extent = std::max(extent, bounds.high[axis] - bounds.low[axis]);
     magnitude = std::max({magnitude, std::abs(bounds.low[axis]), std::abs(bounds.high[axis])});
   }
-  // Nothing is gained below the spacing of the input's doubles; the least exponent is for a mesh of one point.
+  // Nothing is gained below the spacing of the input's doubles; the least exponent is for a mesh of one
+  // point.
   int exponent = -900;
-  if (extent > 0.0) exponent = std::max(exponent, static_cast<int>(std::ceil(std::log2(extent / (kCells * kMostFilled)))));
+  if (extent > 0.0)
+    exponent = std::max(exponent, static_cast<int>(std::ceil(std::log2(extent / (kCells * kMostFilled)))));
   while (std::ldexp(kCells * kMostFilled, exponent) < extent) ++exponent;
   if (magnitude > 0.0) exponent = std::max(exponent, std::ilogb(magnitude) - 52);
   const double cell = std::ldexp(1.0, exponent);

@@ -1,8 +1,9 @@
-// The integer lattice on which all positions of a container live: a power-of-two step and an origin in doubles.
+// The integer lattice on which all positions of a container live: a power-of-two step and an origin in
+// doubles.
 //
-// Input vertices are put at residues (1, 2, 4) modulo 8 in x, y, z. The corners of all cells lie at multiples of 8, and
-// the planes of the hierarchy have normals e_i or e_i +- e_j: no sum or difference of two of these residues is 0
-// modulo 8, so no input vertex ever lies on a plane. It costs three of the 30 bits.
+// Input vertices are put at residues (1, 2, 4) modulo 8 in x, y, z. The corners of all cells lie at multiples
+// of 8, and the planes of the hierarchy have normals e_i or e_i +- e_j: no sum or difference of two of these
+// residues is 0 modulo 8, so no input vertex ever lies on a plane. It costs three of the 30 bits.
 #pragma once
 
 #include <array>
@@ -18,8 +19,8 @@ struct Lattice {
   std::array<double, 3> origin{};  // world position of lattice point (0, 0, 0)
   double step = 1.0;               // world units per lattice unit, a power of two
 
-  // The finest lattice whose root cube holds `bounds` strictly inside; never finer than the doubles of the bounds.
-  // `bounds` must not be empty and must be finite.
+  // The finest lattice whose root cube holds `bounds` strictly inside; never finer than the doubles of the
+  // bounds. `bounds` must not be empty and must be finite.
   static Lattice fit(const Bounds& bounds);
 
   // The input vertex nearest to a world position inside the bounds that the lattice was fitted to.

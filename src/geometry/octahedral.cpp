@@ -9,7 +9,8 @@ Normal16 to_normal16(double x, double y, double z) {
   const double length = std::sqrt(x * x + y * y + z * z);
   if (!(length > 0.0)) return {0, 0, 32767};
   const double scale = 32767.0 / length;
-  return {static_cast<std::int16_t>(std::floor(x * scale + 0.5)), static_cast<std::int16_t>(std::floor(y * scale + 0.5)),
+  return {static_cast<std::int16_t>(std::floor(x * scale + 0.5)),
+          static_cast<std::int16_t>(std::floor(y * scale + 0.5)),
           static_cast<std::int16_t>(std::floor(z * scale + 0.5))};
 }
 

@@ -1,4 +1,5 @@
-// Unit normals as two bytes: the octahedral parametrisation (Meyer et al. 2010, "On floating-point normal vectors").
+// Unit normals as two bytes: the octahedral parametrisation (Meyer et al. 2010, "On floating-point normal
+// vectors").
 #pragma once
 
 #include <array>
@@ -12,7 +13,8 @@ using Normal16 = std::array<std::int16_t, 3>;
 // A direction of any length to Normal16; a zero vector becomes +z, so that every vertex has a normal.
 Normal16 to_normal16(double x, double y, double z);
 
-// The code whose decoded direction is nearest among the four around the exact one; the largest error is below 1 degree.
+// The code whose decoded direction is nearest among the four around the exact one; the largest error is below
+// 1 degree.
 std::array<std::uint8_t, 2> encode_octahedral(const Normal16& normal);
 
 // A unit vector.

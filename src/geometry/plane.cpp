@@ -25,9 +25,12 @@ std::int32_t rounded(std::int64_t base, std::int64_t numerator, std::int64_t den
 }  // namespace
 
 Plane plane_through(const Point& a, const Point& b, const Point& c, const Point& above) {
-  const std::array<std::int64_t, 3> u{std::int64_t{b.x} - a.x, std::int64_t{b.y} - a.y, std::int64_t{b.z} - a.z};
-  const std::array<std::int64_t, 3> v{std::int64_t{c.x} - a.x, std::int64_t{c.y} - a.y, std::int64_t{c.z} - a.z};
-  const std::array<std::int64_t, 3> n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const std::array<std::int64_t, 3> u{std::int64_t{b.x} - a.x, std::int64_t{b.y} - a.y,
+                                      std::int64_t{b.z} - a.z};
+  const std::array<std::int64_t, 3> v{std::int64_t{c.x} - a.x, std::int64_t{c.y} - a.y,
+                                      std::int64_t{c.z} - a.z};
+  const std::array<std::int64_t, 3> n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                                      u[0] * v[1] - u[1] * v[0]};
   const std::int64_t scale = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
   COLOSSUS_CHECK(scale > 0);
   Plane plane;

@@ -1,10 +1,11 @@
 // The planes of the hierarchy, sides of points as exact integers, and exact cuts of edges.
 //
-// Design: every plane has a normal e_i or e_i +- e_j, and corners lie at multiples of 8. A cut point is the exact
-// rational intersection, each coordinate rounded half to even in the absolute coordinate. That rounding maps equal
-// coordinates to equal ones and c - x to c - round(x) for even c, so the rounded point lies exactly on the cutting
-// plane and on every other plane of the hierarchy that the whole edge lies on; and it is monotone, so nothing leaves
-// a closed tetrahedron. The point depends on the edge and on the line or plane it ends up on, on nothing else.
+// Design: every plane has a normal e_i or e_i +- e_j, and corners lie at multiples of 8. A cut point is the
+// exact rational intersection, each coordinate rounded half to even in the absolute coordinate. That rounding
+// maps equal coordinates to equal ones and c - x to c - round(x) for even c, so the rounded point lies
+// exactly on the cutting plane and on every other plane of the hierarchy that the whole edge lies on; and it
+// is monotone, so nothing leaves a closed tetrahedron. The point depends on the edge and on the line or plane
+// it ends up on, on nothing else.
 #pragma once
 
 #include <array>
@@ -20,7 +21,8 @@ struct Plane {
 
   // Positive on the side that the normal points to, 0 exactly on the plane; below 2^33 in magnitude.
   std::int64_t side(const Point& p) const {
-    return std::int64_t{normal[0]} * p.x + std::int64_t{normal[1]} * p.y + std::int64_t{normal[2]} * p.z - offset;
+    return std::int64_t{normal[0]} * p.x + std::int64_t{normal[1]} * p.y + std::int64_t{normal[2]} * p.z -
+           offset;
   }
 };
 

@@ -45,7 +45,8 @@ inline std::int64_t squared_distance(const Point& a, const Point& b) {
 
 // The midpoint of two corners whose coordinates have even sums.
 inline Point midpoint(const Point& a, const Point& b) {
-  return {static_cast<std::int32_t>((std::int64_t{a.x} + b.x) / 2), static_cast<std::int32_t>((std::int64_t{a.y} + b.y) / 2),
+  return {static_cast<std::int32_t>((std::int64_t{a.x} + b.x) / 2),
+          static_cast<std::int32_t>((std::int64_t{a.y} + b.y) / 2),
           static_cast<std::int32_t>((std::int64_t{a.z} + b.z) / 2)};
 }
 
@@ -53,7 +54,8 @@ inline Point midpoint(const Point& a, const Point& b) {
 struct Bounds {
   std::array<double, 3> low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
                             std::numeric_limits<double>::infinity()};
-  std::array<double, 3> high{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+  std::array<double, 3> high{-std::numeric_limits<double>::infinity(),
+                             -std::numeric_limits<double>::infinity(),
                              -std::numeric_limits<double>::infinity()};
   bool is_empty() const { return low[0] > high[0]; }
   void add(const std::array<double, 3>& p) {

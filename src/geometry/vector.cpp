@@ -16,7 +16,8 @@ double squared_distance_to_segment(const Vec3& ap, const Vec3& ab) {
 
 }  // namespace
 
-TriangleDistance distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double bound) {
+TriangleDistance distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c,
+                                      double bound) {
   const Vec3 ab = b - a;
   const Vec3 ac = c - a;
   const Vec3 ap = p - a;
@@ -28,11 +29,13 @@ TriangleDistance distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& 
   // Barycentric coordinates of the projection tell which edges it lies beyond.
   const double beyond_ac = dot(cross(ab, ap), n);  // weight of c
   const double beyond_ab = dot(cross(ap, ac), n);  // weight of b
-  if (area > 0.0 && beyond_ab >= 0.0 && beyond_ac >= 0.0 && beyond_ab + beyond_ac <= area) return {height * height / area, true};
+  if (area > 0.0 && beyond_ab >= 0.0 && beyond_ac >= 0.0 && beyond_ab + beyond_ac <= area)
+    return {height * height / area, true};
   double best = bound;
   if (!(area > 0.0) || beyond_ac < 0.0) best = std::min(best, squared_distance_to_segment(ap, ab));
   if (!(area > 0.0) || beyond_ab < 0.0) best = std::min(best, squared_distance_to_segment(ap, ac));
-  if (!(area > 0.0) || beyond_ab + beyond_ac > area) best = std::min(best, squared_distance_to_segment(p - b, c - b));
+  if (!(area > 0.0) || beyond_ab + beyond_ac > area)
+    best = std::min(best, squared_distance_to_segment(p - b, c - b));
   return {best, false};
 }
 

@@ -33,8 +33,9 @@ struct TriangleDistance {
   bool is_inside = false;  // the nearest point is the projection, within the triangle
 };
 
-// Squared distance from p to the closed triangle a b c, which may be degenerate, or `bound` if that is less: a small
-// bound saves most of the work. Rounding can lose distances below 1e-7 of the triangle's size.
-TriangleDistance distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double bound);
+// Squared distance from p to the closed triangle a b c, which may be degenerate, or `bound` if that is less:
+// a small bound saves most of the work. Rounding can lose distances below 1e-7 of the triangle's size.
+TriangleDistance distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c,
+                                      double bound);
 
 }  // namespace colossus::geometry

@@ -30,8 +30,11 @@ void add(Diamond& diamond, std::array<Point, 4> corners) {
   diamond.tetrahedra[slot] = {corners};
 }
 
-// +1 or -1: the direction, on this axis, of the diagonals within the cubes of side h whose index is even or odd.
-std::int64_t diagonal_sign(std::int32_t coordinate, std::int64_t h) { return (coordinate / h) % 2 == 0 ? 1 : -1; }
+// +1 or -1: the direction, on this axis, of the diagonals within the cubes of side h whose index is even or
+// odd.
+std::int64_t diagonal_sign(std::int32_t coordinate, std::int64_t h) {
+  return (coordinate / h) % 2 == 0 ? 1 : -1;
+}
 
 void fill_cube(Diamond& diamond, std::int64_t h) {
   const Point& c = diamond.center;
@@ -149,7 +152,8 @@ bool Tetrahedron::contains(const Point& p) const {
 }
 
 int level_of(const Point& center) {
-  const std::array<int, 3> zeros{trailing_zeros(center.x), trailing_zeros(center.y), trailing_zeros(center.z)};
+  const std::array<int, 3> zeros{trailing_zeros(center.x), trailing_zeros(center.y),
+                                 trailing_zeros(center.z)};
   const int least = *std::min_element(zeros.begin(), zeros.end());
   const auto odd = std::count(zeros.begin(), zeros.end(), least);
   return 3 * (kRootBits - 1 - least) + (3 - static_cast<int>(odd));
@@ -163,9 +167,15 @@ Diamond Diamond::at(const Point& center) {
   const std::int64_t h = std::int64_t{kRootSide} >> (diamond.level / 3);
   const auto is_odd = [&](int axis) { return (center[axis] / (h / 2)) % 2 != 0; };
   switch (diamond.level % 3) {
-    case 0: fill_cube(diamond, h); break;
-    case 1: fill_square(diamond, h, !is_odd(0) ? 0 : !is_odd(1) ? 1 : 2); break;
-    default: fill_edge(diamond, h, is_odd(0) ? 0 : is_odd(1) ? 1 : 2); break;
+    case 0:
+      fill_cube(diamond, h);
+      break;
+    case 1:
+      fill_square(diamond, h, !is_odd(0) ? 0 : !is_odd(1) ? 1 : 2);
+      break;
+    default:
+      fill_edge(diamond, h, is_odd(0) ? 0 : is_odd(1) ? 1 : 2);
+      break;
   }
   const auto count = static_cast<std::size_t>(diamond.place_count);
   std::sort(diamond.ends.begin(), diamond.ends.end());

@@ -1,10 +1,11 @@
 // The diamond hierarchy as pure index arithmetic: nothing is stored, a diamond is its centre.
 //
-// Longest-edge bisection of the six Kuhn tetrahedra of the root cube (paper 004, section 4.1; Weiss and De Floriani
-// 2010). All tetrahedra around one longest edge are a diamond, identified by the edge's midpoint, its centre. Level
-// l = 3k + t has cubes of side h = 2^(30-k): for t = 0 the long edge is a cube's diagonal (6 tetrahedra), for t = 1 a
-// square's diagonal (4), for t = 2 a cube's edge (8). Diamonds at the hull of the root cube have fewer inside it; a
-// place is nevertheless numbered among all. The reader's contract is in schemas/container.md.
+// Longest-edge bisection of the six Kuhn tetrahedra of the root cube (paper 004, section 4.1; Weiss and De
+// Floriani 2010). All tetrahedra around one longest edge are a diamond, identified by the edge's midpoint,
+// its centre. Level l = 3k + t has cubes of side h = 2^(30-k): for t = 0 the long edge is a cube's diagonal
+// (6 tetrahedra), for t = 1 a square's diagonal (4), for t = 2 a cube's edge (8). Diamonds at the hull of the
+// root cube have fewer inside it; a place is nevertheless numbered among all. The reader's contract is in
+// schemas/container.md.
 #pragma once
 
 #include <array>
@@ -42,16 +43,17 @@ struct Tetrahedron {
   bool contains(const Point& p) const;
 };
 
-// The level of the diamond with this centre; negative for a corner of the root cube, which is no diamond's centre.
+// The level of the diamond with this centre; negative for a corner of the root cube, which is no diamond's
+// centre.
 int level_of(const Point& center);
 
 struct Diamond {
   Point center;
   int level = 0;
-  std::array<Point, 2> ends;             // of the long edge, in order
-  int place_count = 0;                   // 6, 4 or 8
+  std::array<Point, 2> ends;              // of the long edge, in order
+  int place_count = 0;                    // 6, 4 or 8
   std::array<Tetrahedron, 8> tetrahedra;  // by place, in order
-  std::array<bool, 8> is_inside{};       // within the root cube
+  std::array<bool, 8> is_inside{};        // within the root cube
 
   static Diamond at(const Point& center);
   // The place of a tetrahedron of this diamond; a foreign one is a bug and ends the program.
@@ -76,7 +78,9 @@ struct TetrahedronIdHash {
 TetrahedronId id_of(const Tetrahedron& tetrahedron);
 Tetrahedron tetrahedron_of(const TetrahedronId& id);
 
-inline Point root_center() { return {geometry::kRootSide / 2, geometry::kRootSide / 2, geometry::kRootSide / 2}; }
+inline Point root_center() {
+  return {geometry::kRootSide / 2, geometry::kRootSide / 2, geometry::kRootSide / 2};
+}
 
 // The three planes that part the root cube into its six tetrahedra, entered in this order by everybody.
 std::array<Plane, 3> root_planes();

@@ -14,13 +14,16 @@ class MeshSink : public BlockSink {
   void vertices(std::uint64_t first, VertexBlock&& block) override {
     const std::size_t end = base_ + first + block.positions.size();
     if (end > std::numeric_limits<std::uint32_t>::max())
-      core::fail(core::Status::kBadData, "the inputs have more than {} vertices together, too many to hold in memory",
+      core::fail(core::Status::kBadData,
+                 "the inputs have more than {} vertices together, too many to hold in memory",
                  std::numeric_limits<std::uint32_t>::max());
     if (mesh_.positions.size() < end) mesh_.positions.resize(end);
-    std::copy(block.positions.begin(), block.positions.end(), mesh_.positions.begin() + static_cast<std::ptrdiff_t>(base_ + first));
+    std::copy(block.positions.begin(), block.positions.end(),
+              mesh_.positions.begin() + static_cast<std::ptrdiff_t>(base_ + first));
     if (block.colors.empty()) return;
     if (mesh_.colors.size() < end) mesh_.colors.resize(end);
-    std::copy(block.colors.begin(), block.colors.end(), mesh_.colors.begin() + static_cast<std::ptrdiff_t>(base_ + first));
+    std::copy(block.colors.begin(), block.colors.end(),
+              mesh_.colors.begin() + static_cast<std::ptrdiff_t>(base_ + first));
   }
 
   void triangles(TriangleBlock&& block) override {
@@ -54,8 +57,8 @@ LoadedMesh load_mesh(std::span<const std::string> inputs, const SourceOptions& o
   }
   if (!all_have_colors) mesh.colors.clear();
   if (mesh.triangles.empty())
-    core::fail(core::Status::kBadData, "{}: the input has {} vertices but no triangles", inputs.empty() ? "" : inputs[0],
-               mesh.positions.size());
+    core::fail(core::Status::kBadData, "{}: the input has {} vertices but no triangles",
+               inputs.empty() ? "" : inputs[0], mesh.positions.size());
   return mesh;
 }
 

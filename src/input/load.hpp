@@ -14,8 +14,8 @@ struct LoadedMesh {
   std::vector<std::array<std::uint8_t, 4>> colors;  // empty, or one per position: only if all files have them
 };
 
-// All files one after the other, as one mesh. Throws like open_source() and Source::read(); Error(kBadData) when there
-// is no triangle or there are more than 2^32 - 1 vertices.
+// All files one after the other, as one mesh. Throws like open_source() and Source::read(); Error(kBadData)
+// when there is no triangle or there are more than 2^32 - 1 vertices.
 LoadedMesh load_mesh(std::span<const std::string> inputs, const SourceOptions& options = {});
 
 }  // namespace colossus::input

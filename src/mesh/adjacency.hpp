@@ -22,7 +22,8 @@ class Adjacency {
       for (const auto v : triangles[i]) triangles_[cursor_[v]++] = i;
   }
   std::span<const std::uint32_t> around(std::uint32_t vertex) const {
-    return std::span<const std::uint32_t>(triangles_).subspan(offsets_[vertex], offsets_[vertex + 1] - offsets_[vertex]);
+    return std::span<const std::uint32_t>(triangles_)
+        .subspan(offsets_[vertex], offsets_[vertex + 1] - offsets_[vertex]);
   }
 
  private:

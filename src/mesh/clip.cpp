@@ -62,7 +62,8 @@ class Splitter {
 
   void emit(std::size_t half, const Triangle& t) {
     const auto& v = halves_[half].vertices;
-    if (!is_degenerate(v[t[0]].position, v[t[1]].position, v[t[2]].position)) halves_[half].triangles.push_back(t);
+    if (!is_degenerate(v[t[0]].position, v[t[1]].position, v[t[2]].position))
+      halves_[half].triangles.push_back(t);
   }
 
   // One corner on the plane, one on each side.
@@ -110,6 +111,8 @@ class Splitter {
 
 }  // namespace
 
-std::array<Mesh, 2> split(const Mesh& mesh, const geometry::Plane& plane) { return Splitter(mesh, plane).run(); }
+std::array<Mesh, 2> split(const Mesh& mesh, const geometry::Plane& plane) {
+  return Splitter(mesh, plane).run();
+}
 
 }  // namespace colossus::mesh

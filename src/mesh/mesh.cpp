@@ -57,7 +57,8 @@ void weld(Mesh& mesh, std::vector<std::uint32_t>* triangle_order) {
   mesh.vertices = std::move(vertices);
 }
 
-std::vector<std::uint32_t> first_with_same_corners(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
+std::vector<std::uint32_t> first_with_same_corners(const std::vector<Triangle>& triangles,
+                                                   std::size_t vertex_count) {
   // Dealt out by the least corner; then sorted by the two others within these groups.
   struct Entry {
     std::uint64_t others;
@@ -83,7 +84,8 @@ std::vector<std::uint32_t> first_with_same_corners(const std::vector<Triangle>& 
       return a.others != b.others ? a.others < b.others : a.triangle < b.triangle;
     });
     for (auto at = begin; at != end; ++at)
-      first[at->triangle] = at != begin && (at - 1)->others == at->others ? first[(at - 1)->triangle] : at->triangle;
+      first[at->triangle] =
+          at != begin && (at - 1)->others == at->others ? first[(at - 1)->triangle] : at->triangle;
   }
   return first;
 }

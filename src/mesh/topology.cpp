@@ -8,7 +8,9 @@ namespace {
 
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0U); }
+  explicit DisjointSets(std::size_t count) : parents_(count) {
+    std::iota(parents_.begin(), parents_.end(), 0U);
+  }
   std::uint32_t find(std::uint32_t i) {
     while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
     return i;
@@ -69,7 +71,8 @@ std::vector<Edge> edges(std::span<const Triangle> triangles) {
 
 std::vector<bool> nonmanifold_vertices(std::span<const Triangle> triangles, std::size_t vertex_count) {
   std::vector<bool> flags(vertex_count, false);
-  // Corners at one vertex that share a manifold edge belong to one fan; more than one fan makes it non-manifold.
+  // Corners at one vertex that share a manifold edge belong to one fan; more than one fan makes it
+  // non-manifold.
   DisjointSets fans(triangles.size() * 3);
   const std::vector<Side> sides = sorted_sides(triangles);
   const auto corner_at = [&](std::uint32_t corner, std::uint32_t vertex) {

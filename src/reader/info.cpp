@@ -102,8 +102,8 @@ std::string share_cell(const container::Metadata& meta, const Share& share, std:
 
 // Whether the table says this already, by the node table or as a share.
 bool is_shown(std::string_view name) {
-  constexpr std::array<std::string_view, 8> kShown{"level",        "nodes",         "leaves", "vertices", "triangles",
-                                                   "stored_bytes", "payload_bytes", "error"};
+  constexpr std::array<std::string_view, 8> kShown{"level",     "nodes",        "leaves",        "vertices",
+                                                   "triangles", "stored_bytes", "payload_bytes", "error"};
   return std::find(kShown.begin(), kShown.end(), name) != kShown.end() ||
          std::any_of(kShares.begin(), kShares.end(),
                      [&](const Share& share) { return name == share.part || name == share.whole; });
@@ -152,8 +152,7 @@ std::string info_text(const Statue& statue) {
   text += fmt::format(
       "positions           {} bits per weight; a leaf's vertex moves by at most {:.6g}, of which the lattice "
       "{:.6g}\n",
-      meta.position_bits, summary.quantisation_error,
-      statue.lattice().input_error());
+      meta.position_bits, summary.quantisation_error, statue.lattice().input_error());
   text += fmt::format("attributes          {}\n", meta.has_normals
                                                       ? meta.has_colors ? "normals, colours" : "normals"
                                                   : meta.has_colors ? "colours"
@@ -166,8 +165,10 @@ std::string info_text(const Statue& statue) {
     text += fmt::format("input count         {} {}\n", count.name, count.value);
   text += fmt::format("nodes               {}, of which {} leaves above the limit\n\n", statue.rows().size(),
                       summary.above_limit);
-  text += "target, reached: share of the triangles that the level's inner nodes were made of; locked: of their vertices;\n"
-          "< n deg: share of triangles with a smaller angle than that\n\n";
+  text +=
+      "target, reached: share of the triangles that the level's inner nodes were made of; locked: of their "
+      "vertices;\n"
+      "< n deg: share of triangles with a smaller angle than that\n\n";
   return text + level_table(statue, summary);
 }
 

@@ -11,8 +11,8 @@ constexpr std::size_t kMostVertices = 2'000'000;
 geometry::Point lattice_point(const geometry::Lattice& lattice, const WorldPoint& p) {
   geometry::Point q;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    q[static_cast<int>(axis)] = static_cast<std::int32_t>(
-        std::clamp(std::floor((p[axis] - lattice.origin[axis]) / lattice.step), 0.0, double{geometry::kRootSide}));
+    q[static_cast<int>(axis)] = static_cast<std::int32_t>(std::clamp(
+        std::floor((p[axis] - lattice.origin[axis]) / lattice.step), 0.0, double{geometry::kRootSide}));
   return q;
 }
 

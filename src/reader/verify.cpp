@@ -150,8 +150,8 @@ void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex r
                      error)});
 }
 
-NodeReport check_node(const Statue& statue, const VerifyOptions& options,
-                      const InputSamples& input_samples, RowIndex row) {
+NodeReport check_node(const Statue& statue, const VerifyOptions& options, const InputSamples& input_samples,
+                      RowIndex row) {
   const bool is_closed = metadata_count(statue, "border_edges") == std::uint64_t{0};
   NodeReport report;
   report.findings = check_structure(statue, row);
@@ -305,7 +305,8 @@ class Verifier {
       const double error = statue_.rows()[row].error;
       if (!(error > statue_.lattice().input_error())) continue;
       ++report_.measured_nodes;
-      if (error > std::max(kLooseFactor * sampled_[row], kLooseFactor * weight_unit(row))) ++report_.loose_nodes;
+      if (error > std::max(kLooseFactor * sampled_[row], kLooseFactor * weight_unit(row)))
+        ++report_.loose_nodes;
     }
     if (report_.loose_nodes * 10 > report_.measured_nodes)
       add({FindingKind::kLooseError,
@@ -313,8 +314,8 @@ class Verifier {
                        report_.loose_nodes, report_.measured_nodes)});
   }
 
-  // How far one unit of weight moves a vertex of this node at most: on a flat input nothing else is left of an error,
-  // and no distance shows it.
+  // How far one unit of weight moves a vertex of this node at most: on a flat input nothing else is left of
+  // an error, and no distance shows it.
   double weight_unit(RowIndex row) const {
     const hierarchy::Diamond diamond = hierarchy::Diamond::at(statue_.center(row));
     return std::sqrt(static_cast<double>(geometry::squared_distance(diamond.ends[0], diamond.ends[1]))) *

@@ -24,7 +24,8 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr double kBorderWeight = 4.0;
 // A triangle may turn by at most about 78 degrees in one collapse.
 constexpr double kLeastTurnCosine = 0.2;
-// Height over longest side below which a triangle's own normal says nothing: clip slivers, rounded to the lattice.
+// Height over longest side below which a triangle's own normal says nothing: clip slivers, rounded to the
+// lattice.
 constexpr double kFlatness = 1e-3;
 // A pass accepts costs up to this factor over that of the last collapse that it would need.
 constexpr float kPassCostFactor = 1.5F;
@@ -106,15 +107,17 @@ class Collapser {
     std::erase_if(candidates_, [&](const Candidate& candidate) { return candidate.cost > limit; });
   }
 
-  // Radix sort, stable, so that equal costs stay in the order of the triangles. Costs are not negative: their bits are
-  // in order.
+  // Radix sort, stable, so that equal costs stay in the order of the triangles. Costs are not negative: their
+  // bits are in order.
   void sort_by_cost() {
     constexpr int kDigitBits = 11;
     constexpr std::uint32_t kDigits = 1U << kDigitBits;
     sorted_.resize(candidates_.size());
     for (int shift = 0; shift < 32; shift += kDigitBits) {
       std::array<std::uint32_t, kDigits> starts{};
-      const auto digit = [&](const Candidate& c) { return std::bit_cast<std::uint32_t>(c.cost) >> shift & (kDigits - 1); };
+      const auto digit = [&](const Candidate& c) {
+        return std::bit_cast<std::uint32_t>(c.cost) >> shift & (kDigits - 1);
+      };
       for (const Candidate& candidate : candidates_) ++starts[digit(candidate)];
       std::uint32_t sum = 0;
       for (auto& start : starts) sum += std::exchange(start, sum);
@@ -143,7 +146,8 @@ class Collapser {
         const double across_length = geometry::length(across);
         if (!(across_length > 0.0)) continue;
         Quadric wall;
-        wall.add_plane((1.0 / across_length) * across, positions_[a], kBorderWeight * geometry::squared_length(along));
+        wall.add_plane((1.0 / across_length) * across, positions_[a],
+                       kBorderWeight * geometry::squared_length(along));
         quadrics_[a].add(wall);
         quadrics_[b].add(wall);
       }
@@ -195,7 +199,8 @@ class Collapser {
     const Vec3 middle = 0.5 * (positions_[a] + positions_[b]);
     const Vec3 best = q.minimum(middle);
     // Far from the edge the planes say little about the surface.
-    if (geometry::squared_length(best - middle) > geometry::squared_length(positions_[b] - positions_[a])) return middle;
+    if (geometry::squared_length(best - middle) > geometry::squared_length(positions_[b] - positions_[a]))
+      return middle;
     return best;
   }
 
@@ -226,7 +231,8 @@ class Collapser {
     apply(a, b);
   }
 
-  // Link condition on live connectivity; also finds the cell of a triangle at the edge, and the apex of a border edge.
+  // Link condition on live connectivity; also finds the cell of a triangle at the edge, and the apex of a
+  // border edge.
   bool is_link_legal(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t in_b = ++stamp_;
     for_each_live(b, [&](const Triangle& t) {
@@ -259,7 +265,8 @@ class Collapser {
     for (std::size_t k = 0; k < shared; ++k)
       if (count_at_edge(a, apexes[k]) + count_at_edge(b, apexes[k]) <= 2) return false;
     // A triangle of a and one of b over the same two apexes would fall together.
-    if (shared == 2 && has_triangle(a, apexes[0], apexes[1]) && has_triangle(b, apexes[0], apexes[1])) return false;
+    if (shared == 2 && has_triangle(a, apexes[0], apexes[1]) && has_triangle(b, apexes[0], apexes[1]))
+      return false;
     return true;
   }
 
@@ -299,8 +306,8 @@ class Collapser {
       const double new_area = geometry::squared_length(new_normal);
       const double cosine_times_areas = geometry::dot(old_normal, new_normal);
       if (!is_flat(old_area, side, positions_[moving] - p, positions_[moving] - q)) {
-        if (!(cosine_times_areas > 0.0) ||
-            cosine_times_areas * cosine_times_areas < kLeastTurnCosine * kLeastTurnCosine * old_area * new_area)
+        if (!(cosine_times_areas > 0.0) || cosine_times_areas * cosine_times_areas <
+                                               kLeastTurnCosine * kLeastTurnCosine * old_area * new_area)
           return false;
         continue;
       }
@@ -313,7 +320,8 @@ class Collapser {
   }
 
   static bool is_flat(double area, const Vec3& u, const Vec3& v, const Vec3& w) {
-    const double longest = std::max({geometry::squared_length(u), geometry::squared_length(v), geometry::squared_length(w)});
+    const double longest =
+        std::max({geometry::squared_length(u), geometry::squared_length(v), geometry::squared_length(w)});
     return area <= kFlatness * kFlatness * longest * longest;
   }
 
@@ -327,7 +335,8 @@ class Collapser {
   void place_between(std::uint32_t a, std::uint32_t b, const Point& rounded, const Vec3& target) {
     const Vec3 along = positions_[b] - positions_[a];
     const double squared = geometry::squared_length(along);
-    const double t = squared > 0.0 ? std::clamp(geometry::dot(target - positions_[a], along) / squared, 0.0, 1.0) : 0.5;
+    const double t =
+        squared > 0.0 ? std::clamp(geometry::dot(target - positions_[a], along) / squared, 0.0, 1.0) : 0.5;
     constexpr std::int64_t kParts = 1 << 16;
     auto& vertices = region_.mesh.vertices;
     vertices[b] = mesh::interpolate(vertices[a], vertices[b], static_cast<std::int64_t>(t * kParts), kParts);
@@ -383,12 +392,14 @@ class Collapser {
     std::vector<std::uint32_t> final_representative(count);
     for (std::uint32_t v = 0; v < count; ++v) {
       std::uint32_t root = v;
-      while (representative_[root] != root) root = representative_[root] = representative_[representative_[root]];
+      while (representative_[root] != root)
+        root = representative_[root] = representative_[representative_[root]];
       final_representative[v] = renumbered[root];
     }
-    const bool has_border = std::find(classes_.begin(), classes_.end(), VertexClass::kBorder) != classes_.end();
-    const Deviation deviation =
-        measure_deviation(before_, region_.mesh, region_.cells, final_representative, has_border, region_.samples);
+    const bool has_border =
+        std::find(classes_.begin(), classes_.end(), VertexClass::kBorder) != classes_.end();
+    const Deviation deviation = measure_deviation(before_, region_.mesh, region_.cells, final_representative,
+                                                  has_border, region_.samples);
     outcome.deviation = deviation.estimate();
   }
 

@@ -1,17 +1,19 @@
 // Constrained edge collapse on flat arrays, in passes: the core of Colossus.
 //
-// Each pass computes quadrics afresh (Garland and Heckbert 1997; fresh ones halve the drift of accumulated ones, see
-// src/README.md), sorts all candidate collapses by cost and applies the cheap ones whose ends no earlier collapse of
-// the pass has touched. Legality is tested on live connectivity, just before a collapse:
-//   - a may collapse into b only if a lies on no outer face and b lies on all faces that a lies on: by convexity every
+// Each pass computes quadrics afresh (Garland and Heckbert 1997; fresh ones halve the drift of accumulated
+// ones, see src/README.md), sorts all candidate collapses by cost and applies the cheap ones whose ends no
+// earlier collapse of the pass has touched. Legality is tested on live connectivity, just before a collapse:
+//   - a may collapse into b only if a lies on no outer face and b lies on all faces that a lies on: by
+//   convexity every
 //     triangle stays in its cell (paper 004, section 4.2, made exact);
-//   - no new edge joins two vertices with a common face beyond the faces of a, and no triangle comes to lie flat in a
+//   - no new edge joins two vertices with a common face beyond the faces of a, and no triangle comes to lie
+//   flat in a
 //     face: otherwise the surface would touch a face beside its polyline there;
 //   - link condition (Dey et al. 1999): no edge becomes non-manifold, no two triangles fall together;
 //   - no triangle turns over.
-// Vertices of the input's own border collapse only along it; non-manifold vertices stay. Two free vertices, those on
-// no face and no border, are replaced by the quadric's optimum when that lies strictly inside their cell; all other
-// collapses move a to b.
+// Vertices of the input's own border collapse only along it; non-manifold vertices stay. Two free vertices,
+// those on no face and no border, are replaced by the quadric's optimum when that lies strictly inside their
+// cell; all other collapses move a to b.
 #pragma once
 
 #include "simplify/region.hpp"
@@ -24,11 +26,12 @@ struct Outcome {
   std::uint64_t initial_vertices = 0;
   std::uint64_t locked_vertices = 0;  // of the initial ones: on outer faces or non-manifold
   int passes = 0;
-  double deviation = 0.0;  // estimate of the greatest distance between this surface and the input, lattice units
+  double deviation =
+      0.0;  // estimate of the greatest distance between this surface and the input, lattice units
 };
 
-// Reduces the region to at most `target_triangles`, as far as it can, and updates its samples. About two million
-// triangles per second; memory some 250 bytes per triangle. Deterministic.
+// Reduces the region to at most `target_triangles`, as far as it can, and updates its samples. About two
+// million triangles per second; memory some 250 bytes per triangle. Deterministic.
 Outcome simplify(Region& region, std::size_t target_triangles);
 
 }  // namespace colossus::simplify

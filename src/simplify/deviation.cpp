@@ -39,8 +39,8 @@ class WalkableSurface {
     }
   }
 
-  // From v on to wherever it gets nearer, until p projects into a triangle. A local minimum: an upper bound of the
-  // distance.
+  // From v on to wherever it gets nearer, until p projects into a triangle. A local minimum: an upper bound
+  // of the distance.
   Nearest walk(const Vec3& p, std::uint32_t v) {
     const std::uint32_t visited = ++stamp_;
     Nearest nearest;
@@ -90,8 +90,8 @@ void attach(SurfaceSample& sample, const Nearest& nearest, const WalkableSurface
   sample.cell = cells[nearest.triangle];
 }
 
-// A walk does not find another sheet that is nearer. Only the farthest samples matter: they are measured against all
-// triangles until one of them stays the farthest. Returns its distance.
+// A walk does not find another sheet that is nearer. Only the farthest samples matter: they are measured
+// against all triangles until one of them stays the farthest. Returns its distance.
 double correct_farthest(const WalkableSurface& surface, std::span<const std::uint8_t> cells,
                         std::vector<SurfaceSample>& samples) {
   constexpr int kMostCorrections = 100;
@@ -120,13 +120,15 @@ double correct_farthest(const WalkableSurface& surface, std::span<const std::uin
 
 }  // namespace
 
-Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, std::span<const std::uint8_t> cells,
+Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
+                            std::span<const std::uint8_t> cells,
                             std::span<const std::uint32_t> representative, bool has_border,
                             std::vector<SurfaceSample>& samples) {
   Deviation deviation;
   // What the samples said of the surface before, where each vertex was.
   std::vector<float> earlier(before.vertices.size(), 0.0F);
-  for (const SurfaceSample& sample : samples) earlier[sample.anchor] = std::max(earlier[sample.anchor], sample.distance);
+  for (const SurfaceSample& sample : samples)
+    earlier[sample.anchor] = std::max(earlier[sample.anchor], sample.distance);
 
   WalkableSurface surface_after(after);
   for (SurfaceSample& sample : samples) {
@@ -139,7 +141,8 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, s
   WalkableSurface surface_before(before);
   std::vector<Nearest> placed(after.vertices.size());
   std::vector<float> carried(after.vertices.size(), 0.0F);
-  std::vector<std::uint32_t> origin(after.vertices.size(), kNone);  // a vertex of `before` that has become this one
+  std::vector<std::uint32_t> origin(after.vertices.size(),
+                                    kNone);  // a vertex of `before` that has become this one
   for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
     const std::uint32_t r = representative[v];
     carried[r] = std::max(carried[r], earlier[v]);
@@ -150,7 +153,8 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, s
   }
   for (std::size_t r = 0; r < placed.size(); ++r)
     if (placed[r].squared > 0.0)
-      deviation.of_vertices = std::max(deviation.of_vertices, std::sqrt(placed[r].squared) + static_cast<double>(carried[r]));
+      deviation.of_vertices =
+          std::max(deviation.of_vertices, std::sqrt(placed[r].squared) + static_cast<double>(carried[r]));
   if (!has_border) return deviation;
   for (const mesh::Edge& edge : mesh::edges(after.triangles)) {
     if (!edge.is_border()) continue;
@@ -158,9 +162,11 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after, s
     const Vec3 b = geometry::to_vec3(after.vertices[edge.b].position);
     for (const double t : {0.25, 0.5, 0.75}) {
       const Vec3 p = a + t * (b - a);
-      const double squared = std::min(surface_before.walk(p, origin[edge.a]).squared, surface_before.walk(p, origin[edge.b]).squared);
-      deviation.of_vertices = std::max(
-          deviation.of_vertices, std::sqrt(squared) + static_cast<double>(std::max(carried[edge.a], carried[edge.b])));
+      const double squared = std::min(surface_before.walk(p, origin[edge.a]).squared,
+                                      surface_before.walk(p, origin[edge.b]).squared);
+      deviation.of_vertices =
+          std::max(deviation.of_vertices,
+                   std::sqrt(squared) + static_cast<double>(std::max(carried[edge.a], carried[edge.b])));
     }
   }
   return deviation;
@@ -178,13 +184,13 @@ void thin_out(std::vector<SurfaceSample>& samples, std::size_t count) {
   };
   const auto kept = static_cast<std::ptrdiff_t>(count / 4);
   std::nth_element(samples.begin(), samples.begin() + kept, samples.end(), farther);
-  std::nth_element(samples.begin() + kept, samples.begin() + static_cast<std::ptrdiff_t>(count), samples.end(), by_hash);
+  std::nth_element(samples.begin() + kept, samples.begin() + static_cast<std::ptrdiff_t>(count),
+                   samples.end(), by_hash);
   samples.resize(count);
   // nth_element leaves an order of its own; this one is everybody's.
-  std::sort(samples.begin(), samples.end(),
-            [](const SurfaceSample& a, const SurfaceSample& b) {
-              return a.anchor != b.anchor ? a.anchor < b.anchor : a.position < b.position;
-            });
+  std::sort(samples.begin(), samples.end(), [](const SurfaceSample& a, const SurfaceSample& b) {
+    return a.anchor != b.anchor ? a.anchor < b.anchor : a.position < b.position;
+  });
 }
 
 }  // namespace colossus::simplify

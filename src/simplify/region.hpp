@@ -1,4 +1,5 @@
-// What one task simplifies: the welded mesh of a node, cut into cells by faces that its vertices may not leave.
+// What one task simplifies: the welded mesh of a node, cut into cells by faces that its vertices may not
+// leave.
 #pragma once
 
 #include <array>
@@ -23,10 +24,10 @@ struct SurfaceSample {
 
 struct Region {
   mesh::Mesh mesh;
-  std::vector<FaceMask> faces;          // per vertex
-  std::vector<std::uint8_t> cells;      // per triangle: the convex cell that holds it
+  std::vector<FaceMask> faces;      // per vertex
+  std::vector<std::uint8_t> cells;  // per triangle: the convex cell that holds it
   std::vector<SurfaceSample> samples;
-  FaceMask outer_faces = 0;             // faces shared with others: vertices on them stay
+  FaceMask outer_faces = 0;                                 // faces shared with others: vertices on them stay
   std::vector<std::array<geometry::Plane, 4>> cell_planes;  // per cell, positive inside
 };
 

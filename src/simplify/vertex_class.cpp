@@ -7,9 +7,10 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 enum class Fan { kClosed, kOpen, kIrregular };
 
-// Walks around v from triangle to triangle. `next` and `is_end` are scratch arrays, all kNone and false between calls.
-Fan fan_of(std::uint32_t v, const Region& region, const mesh::Adjacency& adjacency, std::vector<std::uint32_t>& next,
-           std::vector<bool>& is_end) {
+// Walks around v from triangle to triangle. `next` and `is_end` are scratch arrays, all kNone and false
+// between calls.
+Fan fan_of(std::uint32_t v, const Region& region, const mesh::Adjacency& adjacency,
+           std::vector<std::uint32_t>& next, std::vector<bool>& is_end) {
   const auto around = adjacency.around(v);
   const auto sides = [&](std::uint32_t i) {
     const mesh::Triangle& t = region.mesh.triangles[i];
@@ -60,9 +61,14 @@ std::vector<VertexClass> classify_vertices(const Region& region, const mesh::Adj
   for (std::uint32_t v = 0; v < count; ++v) {
     if ((region.faces[v] & region.outer_faces) != 0) continue;
     switch (fan_of(v, region, adjacency, next, is_end)) {
-      case Fan::kClosed: classes[v] = region.faces[v] == 0 ? VertexClass::kFree : VertexClass::kFace; break;
-      case Fan::kOpen: classes[v] = VertexClass::kBorder; break;
-      case Fan::kIrregular: break;
+      case Fan::kClosed:
+        classes[v] = region.faces[v] == 0 ? VertexClass::kFree : VertexClass::kFace;
+        break;
+      case Fan::kOpen:
+        classes[v] = VertexClass::kBorder;
+        break;
+      case Fan::kIrregular:
+        break;
     }
   }
   return classes;

@@ -1,6 +1,6 @@
-// The kernels of a build, one node's worth of triangles at a time. Counters: "triangles" are input triangles per
-// second; "rms" is the larger of the two one-sided root-mean-square distances between the result and the input, in
-// mean edges of the input.
+// The kernels of a build, one node's worth of triangles at a time. Counters: "triangles" are input triangles
+// per second; "rms" is the larger of the two one-sided root-mean-square distances between the result and the
+// input, in mean edges of the input.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -49,10 +49,11 @@ double mean_edge(const bench::Simplified& mesh) {
 
 void count_error(benchmark::State& state, const mesh::Mesh& mesh, const bench::Simplified& result) {
   const bench::Simplified input = in_doubles(mesh);
-  const reader::SurfaceDistances d =
-      reader::surface_distances({result.points, result.triangles}, {input.points, input.triangles}, kErrorSamples);
+  const reader::SurfaceDistances d = reader::surface_distances(
+      {result.points, result.triangles}, {input.points, input.triangles}, kErrorSamples);
   state.counters["rms"] = std::max(d.a_to_b.rms, d.b_to_a.rms) / mean_edge(input);
-  state.counters["left"] = static_cast<double>(result.triangles.size()) / static_cast<double>(mesh.triangles.size());
+  state.counters["left"] =
+      static_cast<double>(result.triangles.size()) / static_cast<double>(mesh.triangles.size());
 }
 
 void simplify_to_half(benchmark::State& state) {
@@ -86,7 +87,10 @@ void reference_to_half(benchmark::State& state) {
   count_triangles(state, mesh);
   count_error(state, mesh, result);
 }
-BENCHMARK(reference_to_half<bench::OpenMeshDecimation>)->Arg(kFewRings)->Arg(kManyRings)->Unit(benchmark::kMillisecond);
+BENCHMARK(reference_to_half<bench::OpenMeshDecimation>)
+    ->Arg(kFewRings)
+    ->Arg(kManyRings)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(reference_to_half<bench::MeshoptSimplification>)
     ->Arg(kFewRings)
     ->Arg(kManyRings)
@@ -115,7 +119,8 @@ codec::NodeMesh quantized(const mesh::Mesh& mesh) {
   codec::NodeMesh node;
   node.has_normals = node.has_colors = true;
   node.tetrahedra.push_back(
-      codec::quantize(mesh, bench::cell(), 0, {node.position_bits, node.has_normals, node.has_colors}).tetrahedron);
+      codec::quantize(mesh, bench::cell(), 0, {node.position_bits, node.has_normals, node.has_colors})
+          .tetrahedron);
   return node;
 }
 

@@ -1,12 +1,12 @@
-// quality CONTAINER INPUT: per level, the root-mean-square distances between the uniform cut and the input, beside those
-// of OpenMesh's quadric decimation (half-edge collapses) of the whole input to the same number of triangles.
-#include <cstdio>
-
+// quality CONTAINER INPUT: per level, the root-mean-square distances between the uniform cut and the input,
+// beside those of OpenMesh's quadric decimation (half-edge collapses) of the whole input to the same number
+// of triangles.
 #include <fmt/format.h>
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
+#include <cstdio>
 
 #include "input/load.hpp"
 #include "reader/cut.hpp"
@@ -27,11 +27,13 @@ constexpr std::size_t kSamples = 200'000;
 
 double worse_rms(const reader::SurfaceDistances& d) { return std::max(d.a_to_b.rms, d.b_to_a.rms); }
 
-// The whole input, decimated by OpenMesh from the start: a second call on the same mesh would count deleted faces.
+// The whole input, decimated by OpenMesh from the start: a second call on the same mesh would count deleted
+// faces.
 double reference_rms(const input::LoadedMesh& input, std::size_t triangles) {
   ReferenceMesh mesh;
   for (const auto& p : input.positions) mesh.add_vertex({p[0], p[1], p[2]});
-  for (const auto& t : input.triangles) mesh.add_face(mesh.vertex_handle(t[0]), mesh.vertex_handle(t[1]), mesh.vertex_handle(t[2]));
+  for (const auto& t : input.triangles)
+    mesh.add_face(mesh.vertex_handle(t[0]), mesh.vertex_handle(t[1]), mesh.vertex_handle(t[2]));
   OpenMesh::Decimater::DecimaterT<ReferenceMesh> decimater(mesh);
   OpenMesh::Decimater::ModQuadricT<ReferenceMesh>::Handle quadrics;
   decimater.add(quadrics);
@@ -40,7 +42,8 @@ double reference_rms(const input::LoadedMesh& input, std::size_t triangles) {
   decimater.decimate_to_faces(0, triangles);
   mesh.garbage_collection();
   std::vector<reader::WorldPoint> points;
-  for (const auto v : mesh.vertices()) points.push_back({mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]});
+  for (const auto v : mesh.vertices())
+    points.push_back({mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]});
   std::vector<mesh::Triangle> kept;
   for (const auto f : mesh.faces()) {
     mesh::Triangle t{};
@@ -62,10 +65,13 @@ void run(const std::string& container, const std::string& file) {
   fmt::print("level  triangles  rms           OpenMesh rms  ratio\n");
   for (std::uint32_t level = statue.deepest_level(); level + 1 > 0; --level) {
     const reader::CutMesh cut = reader::assemble(statue, reader::cut_at_level(statue, level));
-    const double ours = worse_rms(reader::surface_distances({cut.positions, cut.triangles}, surface, kSamples));
-    const double theirs = cut.triangles.size() < input.triangles.size() ? reference_rms(input, cut.triangles.size()) : 0.0;
+    const double ours =
+        worse_rms(reader::surface_distances({cut.positions, cut.triangles}, surface, kSamples));
+    const double theirs =
+        cut.triangles.size() < input.triangles.size() ? reference_rms(input, cut.triangles.size()) : 0.0;
     fmt::print("{:5}  {:9}  {:<12.6g}  {:<12.6g}  {}{}\n", level, cut.triangles.size(), ours, theirs,
-               theirs > 0.0 ? fmt::format("{:.3f}", ours / theirs) : "-", level >= coarsest_leaf ? "  with leaves" : "");
+               theirs > 0.0 ? fmt::format("{:.3f}", ours / theirs) : "-",
+               level >= coarsest_leaf ? "  with leaves" : "");
     std::fflush(stdout);
   }
 }

@@ -65,9 +65,9 @@ MeshoptSimplification::MeshoptSimplification(const mesh::Mesh& mesh) {
 
 void MeshoptSimplification::run(std::size_t target_triangles) {
   simplified_.resize(indices_.size());
-  const std::size_t count = meshopt_simplify(simplified_.data(), indices_.data(), indices_.size(), positions_.data(),
-                                             positions_.size() / 3, 3 * sizeof(float), 3 * target_triangles,
-                                             std::numeric_limits<float>::max(), 0, nullptr);
+  const std::size_t count = meshopt_simplify(
+      simplified_.data(), indices_.data(), indices_.size(), positions_.data(), positions_.size() / 3,
+      3 * sizeof(float), 3 * target_triangles, std::numeric_limits<float>::max(), 0, nullptr);
   simplified_.resize(count);
 }
 

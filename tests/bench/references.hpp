@@ -1,4 +1,5 @@
-// What others do to the same mesh: to a number of triangles, with what they need to keep a node's border left away.
+// What others do to the same mesh: to a number of triangles, with what they need to keep a node's border left
+// away.
 #pragma once
 
 #include <memory>
@@ -14,7 +15,8 @@ struct Simplified {
   std::vector<mesh::Triangle> triangles;
 };
 
-// OpenMesh's DecimaterT with ModQuadricT, doubles. Built by the constructor, so that run() is the simplification alone.
+// OpenMesh's DecimaterT with ModQuadricT, doubles. Built by the constructor, so that run() is the
+// simplification alone.
 class OpenMeshDecimation {
  public:
   explicit OpenMeshDecimation(const mesh::Mesh& mesh);

@@ -1,5 +1,5 @@
-// yardstick FILE: reads a mesh into memory and simplifies it to half with meshoptimizer, in one thread. Prints one JSON
-// object; "seconds" is the simplification alone.
+// yardstick FILE: reads a mesh into memory and simplifies it to half with meshoptimizer, in one thread.
+// Prints one JSON object; "seconds" is the simplification alone.
 #include <meshoptimizer.h>
 
 #include <chrono>
@@ -22,11 +22,12 @@ void run(const std::string& file) {
   const std::size_t index_count = 3 * mesh.triangles.size();
   std::vector<std::uint32_t> simplified(index_count);
   const auto start = std::chrono::steady_clock::now();
-  const std::size_t kept =
-      meshopt_simplify(simplified.data(), indices, index_count, positions.data(), mesh.positions.size(),
-                       3 * sizeof(float), mesh.triangles.size() / 2 * 3, std::numeric_limits<float>::max(), 0, nullptr);
+  const std::size_t kept = meshopt_simplify(
+      simplified.data(), indices, index_count, positions.data(), mesh.positions.size(), 3 * sizeof(float),
+      mesh.triangles.size() / 2 * 3, std::numeric_limits<float>::max(), 0, nullptr);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("{{\"triangles\": {}, \"kept\": {}, \"seconds\": {:.6f}}}\n", mesh.triangles.size(), kept / 3, seconds);
+  fmt::print("{{\"triangles\": {}, \"kept\": {}, \"seconds\": {:.6f}}}\n", mesh.triangles.size(), kept / 3,
+             seconds);
 }
 
 }  // namespace

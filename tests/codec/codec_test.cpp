@@ -48,7 +48,8 @@ Point random_point_around(Random& random, const Tetrahedron& tetrahedron) {
 
 Point random_point_inside(Random& random, const Tetrahedron& tetrahedron) {
   for (;;)
-    if (const Point point = random_point_around(random, tetrahedron); tetrahedron.contains(point)) return point;
+    if (const Point point = random_point_around(random, tetrahedron); tetrahedron.contains(point))
+      return point;
 }
 
 // A lattice point in the convex hull of some corners: all edges run along primitive lattice vectors.
@@ -82,7 +83,8 @@ double distance(const std::array<double, 3>& a, const Point& b) {
 }
 
 void expect_exact_weights(const Tetrahedron& tetrahedron, const Point& point, int bits) {
-  SCOPED_TRACE(testing::Message() << "point " << point.x << ' ' << point.y << ' ' << point.z << ", bits " << bits);
+  SCOPED_TRACE(testing::Message() << "point " << point.x << ' ' << point.y << ' ' << point.z << ", bits "
+                                  << bits);
   const Barycentric barycentric(tetrahedron);
   const Weights weights = barycentric.weights(point, bits);
   EXPECT_EQ(std::accumulate(weights.begin(), weights.end(), std::uint64_t{0}), std::uint64_t{1} << bits);
@@ -90,7 +92,8 @@ void expect_exact_weights(const Tetrahedron& tetrahedron, const Point& point, in
   for (int i = 0; i < 4; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Plane plane = tetrahedron.face_plane(i);
-    const double lambda = static_cast<double>(plane.side(point)) / static_cast<double>(plane.side(tetrahedron.corners[k]));
+    const double lambda =
+        static_cast<double>(plane.side(point)) / static_cast<double>(plane.side(tetrahedron.corners[k]));
     EXPECT_EQ(weights[k] == 0, plane.side(point) == 0) << "corner " << i;
     // Less than one unit by rounding, and up to three units given to or taken from the others.
     EXPECT_LT(std::abs(weights[k] - std::ldexp(lambda, bits)), 4.0) << "corner " << i;
@@ -128,7 +131,8 @@ TEST(Barycentric, CornersKeepTheWholeWeightAndTheirNeighboursTheLeast) {
     expected[i] = 1U << 12;
     EXPECT_EQ(barycentric.weights(root.corners[i], 12), expected);
   }
-  // One unit beside the first corner along the long edge: far less than a unit of weight, and yet not on the corner.
+  // One unit beside the first corner along the long edge: far less than a unit of weight, and yet not on the
+  // corner.
   EXPECT_EQ(barycentric.weights({1, 1, 1}, 12), (Weights{4095, 0, 0, 1}));
 }
 
@@ -212,12 +216,14 @@ mesh::Vertex numbered_vertex(const Point& position, std::size_t number) {
 }
 
 std::uint32_t number_of(const mesh::Color& color) {
-  return color[0] | std::uint32_t{color[1]} << 8 | std::uint32_t{color[2]} << 16 | std::uint32_t{color[3]} << 24;
+  return color[0] | std::uint32_t{color[1]} << 8 | std::uint32_t{color[2]} << 16 |
+         std::uint32_t{color[3]} << 24;
 }
 
 mesh::Mesh numbered_mesh(const std::vector<Point>& positions, std::vector<Triangle> triangles) {
   mesh::Mesh mesh;
-  for (const Point& position : positions) mesh.vertices.push_back(numbered_vertex(position, mesh.vertices.size()));
+  for (const Point& position : positions)
+    mesh.vertices.push_back(numbered_vertex(position, mesh.vertices.size()));
   mesh.triangles = std::move(triangles);
   return mesh;
 }
@@ -263,7 +269,8 @@ void expect_displacement_bounds_all(const mesh::Mesh& mesh, const Tetrahedron& t
   const Quantized quantized = quantize(mesh, tetrahedron, 0, {bits, false, true});
   const Barycentric barycentric(tetrahedron);
   std::vector<Weights> weights;
-  for (const mesh::Vertex& vertex : mesh.vertices) weights.push_back(barycentric.weights(vertex.position, bits));
+  for (const mesh::Vertex& vertex : mesh.vertices)
+    weights.push_back(barycentric.weights(vertex.position, bits));
   const auto groups = merged_groups(mesh, weights);
   std::map<std::uint32_t, std::size_t> stored;  // by group
   for (std::size_t i = 0; i < quantized.tetrahedron.weights.size(); ++i)
@@ -273,13 +280,14 @@ void expect_displacement_bounds_all(const mesh::Mesh& mesh, const Tetrahedron& t
     const auto found = stored.find(groups[v]);
     if (found == stored.end()) continue;
     const Weights& to = quantized.tetrahedron.weights[found->second];
-    greatest = std::max(greatest, distance(decoded_position(to, tetrahedron, bits), mesh.vertices[v].position));
+    greatest =
+        std::max(greatest, distance(decoded_position(to, tetrahedron, bits), mesh.vertices[v].position));
   }
   EXPECT_GT(greatest, 0.0);
   EXPECT_LE(greatest, quantized.displacement * (1.0 + 1e-12));
   // Four units along edges no longer than the cube's diagonal.
-  const double diagonal = std::sqrt(static_cast<double>(
-      geometry::squared_distance(tetrahedron.corners[0], tetrahedron.corners[3])));
+  const double diagonal = std::sqrt(
+      static_cast<double>(geometry::squared_distance(tetrahedron.corners[0], tetrahedron.corners[3])));
   EXPECT_LT(quantized.displacement, 4.0 * std::ldexp(diagonal, -bits));
 }
 
@@ -327,7 +335,8 @@ TEST(Quantize, MakesNoInnerEdgeNonManifold) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const Tetrahedron tetrahedron = random_tetrahedron(random, 6);
-    const double radius = std::ldexp(1.0, geometry::kRootBits - 2) * static_cast<double>(pick(random, 40, 80)) / 1000.0;
+    const double radius =
+        std::ldexp(1.0, geometry::kRootBits - 2) * static_cast<double>(pick(random, 40, 80)) / 1000.0;
     const mesh::Mesh torus = noisy_torus(random, centroid(tetrahedron), radius, 32);
     const QuantizedTetrahedron stored = quantize(torus, tetrahedron, 0, {8, false, false}).tetrahedron;
     merged += torus.vertices.size() - stored.weights.size();

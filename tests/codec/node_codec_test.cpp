@@ -37,7 +37,8 @@ Weights random_weights(Random& random, int bits) {
   return weights;
 }
 
-QuantizedTetrahedron random_part(Random& random, const NodeMesh& node, std::uint8_t place, std::uint32_t count) {
+QuantizedTetrahedron random_part(Random& random, const NodeMesh& node, std::uint8_t place,
+                                 std::uint32_t count) {
   QuantizedTetrahedron part;
   part.place = place;
   for (std::uint32_t v = 0; v < count; ++v) {
@@ -45,7 +46,8 @@ QuantizedTetrahedron random_part(Random& random, const NodeMesh& node, std::uint
     part.marks.push_back(face_marks(part.weights.back()));
     if (node.has_normals) part.normals.push_back({random_byte(random), random_byte(random)});
     if (node.has_colors)
-      part.colors.push_back({random_byte(random), random_byte(random), random_byte(random), random_byte(random)});
+      part.colors.push_back(
+          {random_byte(random), random_byte(random), random_byte(random), random_byte(random)});
   }
   std::uint32_t next = 0;
   std::uint32_t extra = count == 0 ? 0 : pick(random, 3, 30);  // triangles after the last new vertex
@@ -63,7 +65,8 @@ QuantizedTetrahedron random_part(Random& random, const NodeMesh& node, std::uint
   return part;
 }
 
-NodeMesh random_node(Random& random, int bits, bool has_normals, bool has_colors, std::uint32_t most_vertices) {
+NodeMesh random_node(Random& random, int bits, bool has_normals, bool has_colors,
+                     std::uint32_t most_vertices) {
   NodeMesh node{bits, has_normals, has_colors, {}};
   for (std::uint8_t place = 0; place < 8; ++place)
     if (pick(random, 0, 1) == 0)

@@ -1,5 +1,5 @@
-// Arbitrary bytes as a node's payload. What decodes keeps what decode() promises, and encoding and decoding it again
-// gives the same mesh; encoding twice gives the same bytes.
+// Arbitrary bytes as a node's payload. What decodes keeps what decode() promises, and encoding and decoding
+// it again gives the same mesh; encoding twice gives the same bytes.
 #include <cstdint>
 #include <cstdlib>
 

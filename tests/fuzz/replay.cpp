@@ -1,5 +1,6 @@
-// replay CORPUS...: runs every file of the folders, in the order of their names, through a fuzz target. A finding ends
-// the program; the file's name is the last line. An empty folder is an error: it would prove nothing.
+// replay CORPUS...: runs every file of the folders, in the order of their names, through a fuzz target. A
+// finding ends the program; the file's name is the last line. An empty folder is an error: it would prove
+// nothing.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

@@ -23,7 +23,8 @@ TEST(Lattice, HoldsItsBoundsStrictlyInsideAndLosesLittle) {
       Bounds bounds;
       std::vector<std::array<double, 3>> points;
       for (int i = 0; i < 100; ++i) {
-        points.push_back({shift + scale * unit(random), 2 * shift + scale * unit(random), scale * unit(random)});
+        points.push_back(
+            {shift + scale * unit(random), 2 * shift + scale * unit(random), scale * unit(random)});
         bounds.add(points.back());
       }
       const Lattice lattice = Lattice::fit(bounds);
@@ -36,8 +37,8 @@ TEST(Lattice, HoldsItsBoundsStrictlyInsideAndLosesLittle) {
           ASSERT_EQ(q[axis] % kInputSpacing, kInputResidue[static_cast<std::size_t>(axis)]);
         }
         const auto back = lattice.world({double(q.x), double(q.y), double(q.z)});
-        const double distance =
-            std::sqrt(std::pow(back[0] - p[0], 2) + std::pow(back[1] - p[1], 2) + std::pow(back[2] - p[2], 2));
+        const double distance = std::sqrt(std::pow(back[0] - p[0], 2) + std::pow(back[1] - p[1], 2) +
+                                          std::pow(back[2] - p[2], 2));
         ASSERT_LE(distance, lattice.input_error() * 1.001 + 1e-15 * std::abs(shift));
       }
     }
@@ -49,7 +50,8 @@ TEST(Lattice, KeepsMillimetresAtUtmCoordinates) {
   bounds.add({500010.0, 5400010.0, 110.0});
   const Lattice lattice = Lattice::fit(bounds);
   EXPECT_LT(lattice.input_error(), 1e-6);
-  EXPECT_NE(lattice.input_vertex({500001.001, 5400001.0, 105.0}), lattice.input_vertex({500001.002, 5400001.0, 105.0}));
+  EXPECT_NE(lattice.input_vertex({500001.001, 5400001.0, 105.0}),
+            lattice.input_vertex({500001.002, 5400001.0, 105.0}));
 }
 
 TEST(Lattice, TakesASinglePoint) {
@@ -59,8 +61,8 @@ TEST(Lattice, TakesASinglePoint) {
   EXPECT_GT(lattice.input_vertex({0.0, 0.0, 0.0}).x, 0);
 }
 
-// The cut point lies on the cutting plane, on every plane the edge lies on, does not depend on the direction of the
-// edge, and stays on the right side of every other plane.
+// The cut point lies on the cutting plane, on every plane the edge lies on, does not depend on the direction
+// of the edge, and stays on the right side of every other plane.
 TEST(Plane, CutPointsAreExact) {
   std::mt19937_64 random(5);
   const std::array<std::array<std::int8_t, 3>, 9> normals{

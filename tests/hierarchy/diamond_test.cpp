@@ -25,8 +25,8 @@ TEST(Diamond, RootHasTheSixKuhnTetrahedraAndNoParents) {
   }
 }
 
-// Bisecting everything, level by level, gives exactly the diamonds that the index arithmetic names, complete inside the
-// root cube, and every tetrahedron's parent is among its diamond's parents.
+// Bisecting everything, level by level, gives exactly the diamonds that the index arithmetic names, complete
+// inside the root cube, and every tetrahedron's parent is among its diamond's parents.
 TEST(Diamond, BisectionAndIndexArithmeticAgree) {
   std::vector<Tetrahedron> level = roots();
   for (int l = 0; l < 10; ++l) {

@@ -38,9 +38,11 @@ TEST(Topology, CountsBordersAndDirections) {
 
 TEST(Topology, FindsNonManifoldVertices) {
   // A bow-tie at vertex 0; three sheets on edge 5-6; a clean square.
-  const std::vector<Triangle> triangles{{0, 1, 2}, {0, 3, 4}, {5, 6, 7}, {6, 5, 8}, {5, 6, 9}, {10, 11, 12}, {11, 13, 12}};
+  const std::vector<Triangle> triangles{{0, 1, 2}, {0, 3, 4},    {5, 6, 7},   {6, 5, 8},
+                                        {5, 6, 9}, {10, 11, 12}, {11, 13, 12}};
   const auto flags = nonmanifold_vertices(triangles, 14);
-  const std::vector<bool> expected{true, false, false, false, false, true, true, false, false, false, false, false, false, false};
+  const std::vector<bool> expected{true,  false, false, false, false, true,  true,
+                                   false, false, false, false, false, false, false};
   EXPECT_EQ(flags, expected);
 }
 

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 

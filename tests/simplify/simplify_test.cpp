@@ -35,7 +35,9 @@ Vec3 at(const Mesh& mesh, std::uint32_t v) { return geometry::to_vec3(mesh.verti
 
 // At the residues of input vertices, so on no plane of the cells below.
 Point input_point(const Vec3& p) {
-  const auto put = [](double value, int residue) { return (static_cast<std::int32_t>(value) & ~7) | residue; };
+  const auto put = [](double value, int residue) {
+    return (static_cast<std::int32_t>(value) & ~7) | residue;
+  };
   return {put(p.x, 1), put(p.y, 2), put(p.z, 4)};
 }
 
@@ -49,11 +51,12 @@ mesh::Vertex vertex_at(const Point& position) {
 // `noise` of it.
 Mesh sphere(int depth, double noise, std::uint64_t seed) {
   const double g = 0.5 * (1.0 + std::sqrt(5.0));
-  std::vector<Vec3> points{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                           {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  std::vector<Triangle> triangles{{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                                  {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  std::vector<Vec3> points{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                           {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<Triangle> triangles{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                  {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                  {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                  {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (Vec3& p : points) p = (1.0 / geometry::length(p)) * p;
   for (int level = 0; level < depth; ++level) {
     std::map<std::array<std::uint32_t, 2>, std::uint32_t> middles;
@@ -74,7 +77,8 @@ Mesh sphere(int depth, double noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> radial(1.0 - noise, 1.0 + noise);
   Mesh mesh;
-  for (const Vec3& p : points) mesh.vertices.push_back(vertex_at(input_point(kCenter + kRadius * radial(random) * p)));
+  for (const Vec3& p : points)
+    mesh.vertices.push_back(vertex_at(input_point(kCenter + kRadius * radial(random) * p)));
   mesh.triangles = std::move(triangles);
   return mesh;
 }
@@ -87,8 +91,8 @@ Mesh wavy_grid(std::uint32_t n) {
   for (std::uint32_t i = 0; i <= n; ++i)
     for (std::uint32_t k = 0; k <= n; ++k) {
       const double wave = std::sin(0.3 * i) * std::cos(0.23 * k);
-      mesh.vertices.push_back(
-          vertex_at(input_point({low + step * i, low + step * k, kMiddle + 0.02 * geometry::kRootSide * wave})));
+      mesh.vertices.push_back(vertex_at(
+          input_point({low + step * i, low + step * k, kMiddle + 0.02 * geometry::kRootSide * wave})));
     }
   for (std::uint32_t i = 0; i < n; ++i)
     for (std::uint32_t k = 0; k < n; ++k) {
@@ -102,7 +106,8 @@ Mesh wavy_grid(std::uint32_t n) {
 void append(Mesh& mesh, const Mesh& other) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  for (const Triangle& t : other.triangles)
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
 Plane opposite(Plane plane) {
@@ -125,8 +130,9 @@ std::vector<SurfaceSample> samples_of(const Region& region) {
   return samples;
 }
 
-// A task's region: what lies on the positive side of the outer planes, cut by the inner planes into a cell per
-// combination of sides. Bit i of the masks is inner plane i, the outer ones follow. At most three planes in all.
+// A task's region: what lies on the positive side of the outer planes, cut by the inner planes into a cell
+// per combination of sides. Bit i of the masks is inner plane i, the outer ones follow. At most three planes
+// in all.
 Region make_region(const Mesh& mesh, const std::vector<Plane>& inner, const std::vector<Plane>& outer) {
   Mesh clipped = mesh;
   for (const Plane& plane : outer) clipped = mesh::split(clipped, plane)[0];
@@ -195,7 +201,8 @@ void expect_in_cells(const Region& region) {
   ASSERT_EQ(region.cells.size(), region.mesh.triangles.size());
   for (std::size_t i = 0; i < region.cells.size(); ++i)
     for (const Plane& plane : region.cell_planes[region.cells[i]])
-      for (const auto v : region.mesh.triangles[i]) ASSERT_GE(plane.side(region.mesh.vertices[v].position), 0);
+      for (const auto v : region.mesh.triangles[i])
+        ASSERT_GE(plane.side(region.mesh.vertices[v].position), 0);
 }
 
 // --- distances by brute force, independent of geometry/vector.hpp's ---
@@ -269,7 +276,8 @@ std::vector<Vec3> spread_points(const Mesh& mesh, std::size_t count, std::uint64
       u = 1.0 - u;
       v = 1.0 - v;
     }
-    points.push_back(at(mesh, t[0]) + u * (at(mesh, t[1]) - at(mesh, t[0])) + v * (at(mesh, t[2]) - at(mesh, t[0])));
+    points.push_back(at(mesh, t[0]) + u * (at(mesh, t[1]) - at(mesh, t[0])) +
+                     v * (at(mesh, t[2]) - at(mesh, t[0])));
   }
   return points;
 }
@@ -300,7 +308,8 @@ TEST(Simplify, ReachesItsTargetOnANoisySphere) {
     EXPECT_LE(outcome.final_triangles, target);
     EXPECT_GE(outcome.final_triangles + 2, target);  // each collapse takes two
     EXPECT_EQ(region.faces.size(), region.mesh.vertices.size());
-    EXPECT_EQ(region.mesh.vertices.size() * 2, region.mesh.triangles.size() + 4);  // still a sphere, nothing unused
+    EXPECT_EQ(region.mesh.vertices.size() * 2,
+              region.mesh.triangles.size() + 4);  // still a sphere, nothing unused
     expect_closed(region.mesh);
   }
 }
@@ -322,7 +331,8 @@ TEST(Simplify, KeepsOuterFaceVerticesAndTheEdgesBetweenThem) {
   std::vector<mesh::Vertex> found;
   for (std::size_t v = 0; v < region.mesh.vertices.size(); ++v) {
     if ((region.faces[v] & kOuterFace) != 0) found.push_back(region.mesh.vertices[v]);
-    EXPECT_EQ((region.faces[v] & kOuterFace) != 0, kOuterPlanes[0].side(region.mesh.vertices[v].position) == 0);
+    EXPECT_EQ((region.faces[v] & kOuterFace) != 0,
+              kOuterPlanes[0].side(region.mesh.vertices[v].position) == 0);
   }
   EXPECT_EQ(found, kept);
   EXPECT_EQ(edges_where(region.mesh, is_border), border);
@@ -338,7 +348,8 @@ TEST(Simplify, KeepsTrianglesInTheirCells) {
     }
     for (std::size_t v = 0; v < region.mesh.vertices.size(); ++v)
       for (std::size_t i = 0; i < kInnerPlanes.size(); ++i)
-        EXPECT_EQ((region.faces[v] >> i & 1) != 0, kInnerPlanes[i].side(region.mesh.vertices[v].position) == 0);
+        EXPECT_EQ((region.faces[v] >> i & 1) != 0,
+                  kInnerPlanes[i].side(region.mesh.vertices[v].position) == 0);
   }
 }
 
@@ -408,7 +419,8 @@ TEST(Simplify, KeepsTheStraightBorderOfAnOpenGridStraight) {
     border_after.insert(ends.begin(), ends.end());
     bool is_on_line = false;
     for (int axis = 0; axis < 2; ++axis)
-      for (const std::int32_t line : {low[static_cast<std::size_t>(axis)], high[static_cast<std::size_t>(axis)]})
+      for (const std::int32_t line :
+           {low[static_cast<std::size_t>(axis)], high[static_cast<std::size_t>(axis)]})
         is_on_line |= ends[0][axis] == line && ends[1][axis] == line;
     EXPECT_TRUE(is_on_line);
   }
@@ -527,7 +539,8 @@ void expect_samples_measured(const Region& region, const Outcome& outcome) {
     bool is_attached = false;
     for (const auto i : adjacency.around(sample.anchor)) {
       const Triangle& t = region.mesh.triangles[i];
-      const double d = distance_to_triangle(p, at(region.mesh, t[0]), at(region.mesh, t[1]), at(region.mesh, t[2]));
+      const double d =
+          distance_to_triangle(p, at(region.mesh, t[0]), at(region.mesh, t[1]), at(region.mesh, t[2]));
       is_attached |= region.cells[i] == sample.cell && d <= said * (1.0 + 1e-6) + 1e-8 * kRadius;
     }
     ASSERT_TRUE(is_attached);
@@ -612,7 +625,7 @@ TEST(VertexClass, TellsWhatAVertexMayDo) {
     if (edge.is_border()) is_on_border[edge.a] = is_on_border[edge.b] = true;
   const auto classes = classify_vertices(region, adjacency);
   for (std::size_t v = 0; v < classes.size(); ++v)
-    EXPECT_EQ(classes[v], is_on_border[v]           ? VertexClass::kBorder
+    EXPECT_EQ(classes[v], is_on_border[v]        ? VertexClass::kBorder
                           : region.faces[v] != 0 ? VertexClass::kFace
                                                  : VertexClass::kFree);
   Region outer = region;
@@ -629,7 +642,8 @@ TEST(AngleCounts, CountEachTriangleBySmallestAngle) {
   Mesh mesh;
   for (const std::int32_t height : {35, 176, 364, 1000, 0}) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (const Point& p : {Point{0, 0, 0}, Point{1000, 0, 0}, Point{0, height, 0}}) mesh.vertices.push_back(vertex_at(p));
+    for (const Point& p : {Point{0, 0, 0}, Point{1000, 0, 0}, Point{0, height, 0}})
+      mesh.vertices.push_back(vertex_at(p));
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
   const AngleCounts counts = count_small_angles(mesh);
@@ -653,7 +667,8 @@ Mesh decimated_by_open_mesh(const Mesh& mesh, std::size_t target_triangles) {
     reference.add_vertex({p.x, p.y, p.z});
   }
   for (const Triangle& t : mesh.triangles)
-    reference.add_face(reference.vertex_handle(t[0]), reference.vertex_handle(t[1]), reference.vertex_handle(t[2]));
+    reference.add_face(reference.vertex_handle(t[0]), reference.vertex_handle(t[1]),
+                       reference.vertex_handle(t[2]));
   OpenMesh::Decimater::DecimaterT<ReferenceMesh> decimater(reference);
   OpenMesh::Decimater::ModQuadricT<ReferenceMesh>::Handle quadrics;
   decimater.add(quadrics);
@@ -664,8 +679,8 @@ Mesh decimated_by_open_mesh(const Mesh& mesh, std::size_t target_triangles) {
   Mesh result;
   for (const auto v : reference.vertices()) {
     const auto& p = reference.point(v);  // half-edge collapses: still lattice points
-    result.vertices.push_back(vertex_at({static_cast<std::int32_t>(p[0]), static_cast<std::int32_t>(p[1]),
-                                         static_cast<std::int32_t>(p[2])}));
+    result.vertices.push_back(vertex_at(
+        {static_cast<std::int32_t>(p[0]), static_cast<std::int32_t>(p[1]), static_cast<std::int32_t>(p[2])}));
   }
   for (const auto f : reference.faces()) {
     Triangle triangle{};
@@ -688,8 +703,9 @@ TEST(Simplify, IsNoFartherFromTheOriginalThanOpenMesh) {
     const double theirs = rms_distance(reference, original) / kRadius;
     const double ours_back = rms_distance(original, region.mesh) / kRadius;
     const double theirs_back = rms_distance(original, reference) / kRadius;
-    std::printf("1/%zu: RMS to the original %.3e (OpenMesh %.3e), from it %.3e (OpenMesh %.3e) of the radius\n", divisor,
-                ours, theirs, ours_back, theirs_back);
+    std::printf(
+        "1/%zu: RMS to the original %.3e (OpenMesh %.3e), from it %.3e (OpenMesh %.3e) of the radius\n",
+        divisor, ours, theirs, ours_back, theirs_back);
     EXPECT_LE(ours, theirs);
     EXPECT_LE(ours_back, theirs_back);
   }
