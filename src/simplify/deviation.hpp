@@ -19,8 +19,8 @@ struct Deviation {
   double of_samples = 0.0;   // greatest distance of a sample to the surface, lattice units
   double of_vertices = 0.0;  // greatest estimate for a placed vertex, or the middle of a border edge
 
-  // What lies between the samples can be farther than they are: up to 1.55 times on the scans tried.
-  double estimate() const { return 1.6 * std::max(of_samples, of_vertices); }
+  // What lies between the samples can be farther than they are: up to 1.85 times on the scans tried.
+  double estimate() const { return 2.0 * std::max(of_samples, of_vertices); }
 };
 
 // `before` is the mesh that was simplified to `after`; `representative[v]` is the vertex of `after` into
