@@ -1,9 +1,7 @@
 // Phase 2: lattice positions, normals of the whole mesh, equal attributes at equal positions.
 #include <algorithm>
-#include <unordered_map>
 
 #include "build/survey.hpp"
-#include "core/log.hpp"
 
 namespace colossus::build {
 namespace {

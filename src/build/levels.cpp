@@ -119,8 +119,6 @@ class LevelBuilder {
     const Point center{result.row.center[0], result.row.center[1], result.row.center[2]};
     errors_[center] = result.row.error;
     for (const TetrahedronRecord& record : result.tetrahedra) tetrahedra_.insert_or_assign(record.id, record);
-    // A node whose last triangle fell to quantisation stays in the hierarchy, but has nothing to store.
-    if (result.row.triangles == 0) return;
     hierarchy_.nodes.push_back({result.row, result.chunk});
     if (hierarchy_.levels.size() <= result.row.level) hierarchy_.levels.resize(result.row.level + 1);
     LevelStatistics& level = hierarchy_.levels[result.row.level];

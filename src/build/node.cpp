@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "build/catalog.hpp"
 #include "build/diamond_region.hpp"
 #include "codec/node_codec.hpp"
 #include "container/chunk.hpp"
@@ -74,6 +75,13 @@ class StoredBounds {
         low_[axis] = std::min(low_[axis], p[axis]);
         high_[axis] = std::max(high_[axis], p[axis]);
       }
+    }
+  }
+  void add(const hierarchy::Point& p, int position_bits) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto k = static_cast<std::size_t>(axis);
+      low_[k] = std::min(low_[k], std::int64_t{p[axis]} << position_bits);
+      high_[k] = std::max(high_[k], std::int64_t{p[axis]} << position_bits);
     }
   }
   std::array<double, 6> world(const geometry::Lattice& lattice, int position_bits) const {
@@ -164,7 +172,7 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
     result.displacement = std::max(result.displacement, displacement);
     if (task.is_leaf && part.content.mesh.triangles.size() > settings.leaf_triangles)
       row.flags = static_cast<std::uint8_t>(row.flags | container::kNodeIsAboveLimit);
-    if (stored.tetrahedron.triangles.empty()) continue;
+    // A tetrahedron whose last triangle fell to quantisation stays: it is part of the hierarchy.
     row.tetra_mask = static_cast<std::uint8_t>(row.tetra_mask | 1U << part.place);
     row.vertices += static_cast<std::uint32_t>(stored.tetrahedron.weights.size());
     row.triangles += static_cast<std::uint32_t>(stored.tetrahedron.triangles.size());
@@ -173,7 +181,8 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
   }
   row.error = std::max(deviation * settings.lattice.step + result.displacement + settings.input_error,
                        task.least_error);
-  if (row.triangles > 0) row.bounds = bounds.world(settings.lattice, node.position_bits);
+  if (row.triangles == 0) bounds.add(task.center, node.position_bits);
+  row.bounds = bounds.world(settings.lattice, node.position_bits);
   const container::PackedChunk chunk = container::pack_chunk(codec::encode(node));
   row.capacity_class = chunk.capacity_class;
   row.payload_bytes = chunk.payload_bytes;

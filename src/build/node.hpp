@@ -2,8 +2,6 @@
 // parents.
 #pragma once
 
-#include <array>
-
 #include "build/tetrahedron_mesh.hpp"
 #include "codec/quantize.hpp"
 #include "container/schema.hpp"

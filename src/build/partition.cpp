@@ -6,7 +6,6 @@
 
 #include "build/buckets.hpp"
 #include "cluster/farm.hpp"
-#include "core/log.hpp"
 #include "mesh/clip.hpp"
 #include "mesh/topology.hpp"
 

@@ -3,6 +3,7 @@
 
 #include <unordered_set>
 
+#include "build/catalog.hpp"
 #include "build/tetrahedron_mesh.hpp"
 
 namespace colossus::build {

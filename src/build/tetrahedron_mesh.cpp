@@ -1,5 +1,7 @@
 #include "build/tetrahedron_mesh.hpp"
 
+#include "build/catalog.hpp"
+
 namespace colossus::build {
 
 TetrahedronRecord store(const Workspace& workspace, const hierarchy::TetrahedronId& id,

@@ -1,9 +1,12 @@
 // The lattice mesh of one tetrahedron as it lies in scratch.
 #pragma once
 
-#include "build/catalog.hpp"
+#include <vector>
+
 #include "build/workspace.hpp"
 #include "hierarchy/diamond.hpp"
+#include "mesh/mesh.hpp"
+#include "scratch/spool.hpp"
 #include "simplify/region.hpp"
 
 namespace colossus::build {

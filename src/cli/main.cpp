@@ -1,4 +1,5 @@
 // The colossus program: parses the command line, runs one subcommand, and turns errors into exit statuses.
+#include <csignal>
 #include <cstdio>
 #include <exception>
 
@@ -7,6 +8,8 @@
 
 int main(int argc, char** argv) {
   using colossus::core::Status;
+  // A limit on the size of files (ulimit -f) then is an error like a full disk, with a message.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{
       "Colossus turns gigantic triangle meshes into multiresolution containers that readers open "
       "out-of-core."};

@@ -1,5 +1,8 @@
 // info, verify and extract: what a user does with a finished container.
 #include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "cli/commands.hpp"
 #include "core/error.hpp"

@@ -44,8 +44,9 @@ void add_synth(CLI::App& app, Action& chosen) {
       ->capture_default_str();
   command->add_option("--seed", arguments->options.seed, "Another seed, another statue")
       ->capture_default_str();
-  command->add_option("--base", arguments->base,
-                      "A mesh to subdivide and sculpt, instead of the built-in statue");
+  command->add_option(
+      "--base", arguments->base,
+      "A mesh to sculpt instead of the built-in statue, subdivided to any size beyond its own");
   command->add_flag("--shuffle", arguments->options.shuffle,
                     "Write vertices and faces in an order without locality");
   command->add_flag("--no-colors", arguments->no_colors, "Without vertex colours");

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "codec/pinches.hpp"
+#include "codec/polylines.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec {
@@ -117,22 +118,24 @@ Weights Barycentric::weights(const geometry::Point& p, int bits) const {
   return weights;
 }
 
-Quantized quantize(const mesh::Mesh& mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
+Quantized quantize(mesh::Mesh mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
                    const QuantizeOptions& options) {
   const Barycentric barycentric(tetrahedron);
   const double scale = 1.0 / static_cast<double>(std::int64_t{1} << options.position_bits);
   Quantized result;
   std::vector<Weights> weights;
-  for (const mesh::Vertex& vertex : mesh.vertices) {
+  for (const mesh::Vertex& vertex : mesh.vertices)
     weights.push_back(barycentric.weights(vertex.position, options.position_bits));
-  }
-  flatten_turns(mesh, weights);
-  std::vector<Triangle> triangles = mesh.triangles;
+  settle_polylines(mesh, weights);
+  std::vector<mesh::Vertex>& vertices = mesh.vertices;
+  std::vector<Triangle>& triangles = mesh.triangles;
   std::vector<std::uint32_t> roots = merge_fallen_together(triangles, weights);
-  cancel_opposites(triangles, mesh.vertices.size());
+  cancel_opposites(triangles, vertices.size());
   separate_edges(triangles, weights);
-  std::vector<mesh::Vertex> vertices = mesh.vertices;
-  split_edges(vertices, triangles, weights);
+  std::vector<bool> is_merged(vertices.size(), false);
+  for (std::uint32_t v = 0; v < roots.size(); ++v)
+    if (roots[v] != v) is_merged[roots[v]] = true;
+  split_edges(vertices, triangles, weights, is_merged);
   for (auto v = static_cast<std::uint32_t>(roots.size()); v < vertices.size(); ++v) roots.push_back(v);
   for (std::size_t v = 0; v < weights.size(); ++v)
     result.displacement =

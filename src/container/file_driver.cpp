@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cstring>
 #include <new>
-#include <span>
 
 namespace colossus::container::hdf5 {
 namespace {
@@ -89,9 +88,8 @@ herr_t truncate_file(H5FD_t* file, hid_t, hbool_t) {
   Device& device = device_of(file);
   attempt(device, [&] {
     if (::ftruncate(device.file.descriptor(), static_cast<off_t>(device.end)) != 0)
-      core::fail(errno == ENOSPC || errno == EDQUOT ? core::Status::kNoResources : core::Status::kIo,
-                 "{}: cannot set the size to {} bytes: {}", device.file.path().string(), device.end,
-                 std::strerror(errno));
+      core::fail(core::write_status(errno), "{}: cannot set the size to {} bytes: {}",
+                 device.file.path().string(), device.end, std::strerror(errno));
   });
   return 0;
 }

@@ -5,7 +5,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <new>
+
+#include "core/file.hpp"
 
 namespace colossus::container::hdf5 {
 namespace {
@@ -61,9 +62,7 @@ void Blame::fail(const std::string& what) const {
   H5Eclear2(H5E_DEFAULT);
   const int error = system_error(text);
   if (error == 0) core::fail(status, "{}: {}: {}", file, what, text.empty() ? "HDF5 gives no reason" : text);
-  const bool is_full = error == ENOSPC || error == EDQUOT || error == EFBIG;
-  core::fail(is_full ? core::Status::kNoResources : core::Status::kIo, "{}: {}: {}", file, what,
-             std::strerror(error));
+  core::fail(core::write_status(error), "{}: {}: {}", file, what, std::strerror(error));
 }
 
 Handle Blame::own(hid_t id, Handle::Closer closer, const std::string& what) const {

@@ -25,9 +25,10 @@ inline constexpr std::uint8_t kNodeIsAboveLimit =
 struct NodeRow {
   std::uint32_t level = 0;
   std::array<std::int32_t, 3> center{};  // lattice coordinates
-  std::uint8_t tetra_mask = 0;           // bit p: the tetrahedron at place p of the diamond carries geometry
-  std::uint8_t flags = 0;                // kNodeIsLeaf, kNodeIsAboveLimit
-  std::uint32_t vertices = 0;            // sum over the node's tetrahedra
+  std::uint8_t tetra_mask =
+      0;  // bit p: the tetrahedron at place p of the diamond exists: the input's surface crosses it
+  std::uint8_t flags = 0;      // kNodeIsLeaf, kNodeIsAboveLimit
+  std::uint32_t vertices = 0;  // sum over the node's tetrahedra
   std::uint32_t triangles = 0;
   double error = 0;                  // world units; never smaller than a child's
   std::array<double, 6> bounds{};    // world: min x, y, z, max x, y, z

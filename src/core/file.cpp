@@ -14,11 +14,12 @@ namespace {
 // Systems limit one call to about 2 GiB; a quarter of it keeps signals and progress responsive.
 constexpr std::size_t kMaxCallBytes = std::size_t{1} << 29;
 
-Status write_status(int error) {
-  return error == ENOSPC || error == EDQUOT ? Status::kNoResources : Status::kIo;
-}
-
 }  // namespace
+
+// A limit on the size of files (ulimit -f) is a full disk too.
+Status write_status(int error) {
+  return error == ENOSPC || error == EDQUOT || error == EFBIG ? Status::kNoResources : Status::kIo;
+}
 
 File::~File() {
   if (descriptor_ >= 0) ::close(descriptor_);

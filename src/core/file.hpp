@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <string>
 
 #include "core/bytes.hpp"
 #include "core/error.hpp"
 
 namespace colossus::core {
+
+// What a failed write with this errno is: kNoResources when there is no room, else kIo.
+Status write_status(int error);
 
 class File {
  public:
@@ -34,7 +36,8 @@ class File {
   // Reads exactly buffer.size() bytes; throws Error(kBadData) that names file, offset, expected and found
   // size.
   void read_at(std::uint64_t offset, std::span<std::byte> buffer) const;
-  // Writes everything at offset. Throws Error(kIo), or Error(kNoResources) when the disk is full.
+  // Writes everything at offset. Throws Error(kIo), or Error(kNoResources) when the disk is full or the
+  // file too large for its file system or the process's limit (ignore SIGXFSZ to see that one).
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   // Flushes to the device. Throws Error(kIo).
   void sync();

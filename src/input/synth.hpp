@@ -50,11 +50,12 @@ struct SynthReport {
 // kNoResources when the disk is full. Cost: 0.2 to 0.6 microseconds per vertex and core. Not collective.
 SynthReport synthesize(const SynthOptions& options);
 
-// The same on a base mesh: each of its F triangles becomes k x k on a smooth (point-normal) surface through
-// its vertices, k chosen so that k * k * F is nearest to the request. Edges keep their number of triangles:
-// closed stays closed, and border and non-manifold edges stay straight and in place. Throws also kBadData for
-// a mesh without triangles, an index out of range or a coordinate that is not finite. Memory: about 200 bytes
-// per base triangle.
+// The same on a base mesh: its F triangles become k x k or, the larger ones, (k + 1) x (k + 1), on a smooth
+// (point-normal) surface through its vertices. A request of N >= F is nearly always met exactly or but for
+// one triangle, at worst but for k = sqrt(N / F) (more, if most edges have three triangles or more); for less
+// the base stays as it is. Edges keep their number of triangles: closed stays closed, and border and
+// non-manifold edges stay straight and in place. Throws also kBadData for a mesh without triangles, an index
+// out of range or a coordinate that is not finite. Memory: about 200 bytes per base triangle.
 SynthReport synthesize(const SynthOptions& options, const BaseMesh& base);
 
 }  // namespace colossus::input

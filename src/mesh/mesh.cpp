@@ -99,4 +99,11 @@ Vertex interpolate(const Vertex& a, const Vertex& b, std::int64_t numerator, std
   return v;
 }
 
+Vertex middle_of(const Vertex& a, const Vertex& b) {
+  Vertex v = interpolate(a, b, 1, 2);
+  for (int axis = 0; axis < 3; ++axis)
+    v.position[axis] = static_cast<std::int32_t>((std::int64_t{a.position[axis]} + b.position[axis]) / 2);
+  return v;
+}
+
 }  // namespace colossus::mesh

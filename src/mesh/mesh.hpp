@@ -60,4 +60,7 @@ inline bool has_same_orientation(const Triangle& a, const Triangle& b) {
 // caller.
 Vertex interpolate(const Vertex& a, const Vertex& b, std::int64_t numerator, std::int64_t denominator);
 
+// Halfway, position and all; coordinates rounded towards 0.
+Vertex middle_of(const Vertex& a, const Vertex& b);
+
 }  // namespace colossus::mesh

@@ -1,4 +1,4 @@
-// Edges and their triangles: borders, non-manifold edges and vertices.
+// Edges and their triangles: borders and non-manifold edges.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +22,5 @@ struct Edge {
 
 // All edges, sorted by ends. n log n.
 std::vector<Edge> edges(std::span<const Triangle> triangles);
-
-// Vertices that are not manifold: on an edge of more than two triangles, or where the triangles around it are
-// more than one fan. One flag per vertex.
-std::vector<bool> nonmanifold_vertices(std::span<const Triangle> triangles, std::size_t vertex_count);
-
-// Number of closed or open chains that the border edges form, joined at shared vertices.
-std::size_t border_loop_count(std::span<const Edge> edges, std::size_t vertex_count);
 
 }  // namespace colossus::mesh

@@ -1,7 +1,6 @@
 #include "reader/verify.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -72,7 +71,7 @@ std::vector<Finding> check_structure(const Statue& statue, RowIndex row) {
     add(FindingKind::kStructure, "it is no leaf, but nothing lies below it");
   if (!statue.is_leaf(row) && (own.flags & container::kNodeIsAboveLimit) != 0)
     add(FindingKind::kStructure, "it is above the leaf limit, but no leaf");
-  if (own.tetra_mask == 0) add(FindingKind::kStructure, "it has no tetrahedron with geometry");
+  if (own.tetra_mask == 0) add(FindingKind::kStructure, "it has no tetrahedron");
   return findings;
 }
 
@@ -163,10 +162,6 @@ NodeReport check_node(const Statue& statue, const VerifyOptions& options, const 
     const Node node = statue.load(row);
     for (const auto& part : node.mesh.tetrahedra) {
       const hierarchy::Tetrahedron& tetrahedron = diamond.tetrahedra[part.place];
-      if (part.triangles.empty())
-        report.findings.push_back(
-            {FindingKind::kStructure, fmt::format("node at {}: place {} is in the mask but has no triangles",
-                                                  statue.name(row), part.place)});
       if (const auto outside = outside_bounds(statue, row, part, tetrahedron))
         report.findings.push_back(
             {FindingKind::kBounds, fmt::format("node at {}: {}", statue.name(row), *outside)});

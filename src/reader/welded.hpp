@@ -2,7 +2,6 @@
 // has it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 

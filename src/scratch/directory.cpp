@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "core/file.hpp"
 #include "core/log.hpp"
 
 namespace colossus::scratch {
@@ -53,7 +54,8 @@ ScratchDirectory ScratchDirectory::create(const std::filesystem::path& path) {
                  "it if no "
                  "build is running",
                  path.string());
-    core::fail(errno == ENOSPC || errno == EDQUOT ? core::Status::kNoResources : core::Status::kCannotCreate,
+    const core::Status status = core::write_status(errno);
+    core::fail(status == core::Status::kIo ? core::Status::kCannotCreate : status,
                "{}: cannot create the scratch directory: {}", path.string(), std::strerror(errno));
   }
   return {path, true};

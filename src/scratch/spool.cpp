@@ -107,8 +107,7 @@ void SpoolWriter::flush() {
   // close a copy of the descriptor is enough, and unlike fsync() it does not wait for a local disk.
   const int copy = ::dup(file_.descriptor());
   if (copy >= 0 && ::close(copy) == 0) return;
-  core::fail(errno == ENOSPC || errno == EDQUOT ? core::Status::kNoResources : core::Status::kIo,
-             "{}: cannot flush: {}", file_.path().string(), std::strerror(errno));
+  core::fail(core::write_status(errno), "{}: cannot flush: {}", file_.path().string(), std::strerror(errno));
 }
 
 SpoolReader::SpoolReader(std::filesystem::path directory, std::size_t most_open_files)

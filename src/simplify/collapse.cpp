@@ -47,13 +47,16 @@ class Collapser {
     prepare();
     outcome.locked_vertices =
         static_cast<std::uint64_t>(std::count(classes_.begin(), classes_.end(), VertexClass::kLocked));
-    while (live_count_ > target_) {
+    for (std::size_t breadth = 1; live_count_ > target_;) {
       const std::size_t before = live_count_;
-      pass();
+      const bool tried_all = pass(breadth);
       ++outcome.passes;
       compact_triangles();
-      // Below a thousandth of what is still wanted, further passes only cost time.
-      if ((before - live_count_) * 1000 <= before - target_) break;
+      // Below a thousandth of what is still wanted: the cheapest collapses left are illegal, or all are, and
+      // further passes only cost time.
+      if ((before - live_count_) * 1000 > before - target_) continue;
+      if (tried_all) break;
+      breadth *= 8;
     }
     finish(outcome);
     outcome.final_triangles = triangles().size();
@@ -82,20 +85,25 @@ class Collapser {
     live_count_ = triangles().size();
   }
 
-  void pass() {
+  // Collapses half of what is still wanted, if all of the cheapest candidates were legal; looks at `breadth`
+  // times as many. Returns whether these were all.
+  bool pass(std::size_t breadth) {
     const std::size_t count = positions_.size();
     adjacency_.build(triangles(), count);
     is_touched_.assign(count, false);
     compute_quadrics();
     collect_candidates();
-    if (candidates_.empty()) return;
-    keep_cheapest(std::min((live_count_ - target_) / 2, candidates_.size() - 1));
+    if (candidates_.empty()) return true;
+    const std::size_t rank = breadth * (live_count_ - target_) / 2;
+    const bool is_all = rank >= candidates_.size();
+    if (!is_all) keep_cheapest(rank);
     sort_by_cost();
     for (const Candidate& candidate : candidates_) {
       if (live_count_ <= target_) break;
       if (is_touched_[candidate.from] || is_touched_[candidate.to]) continue;
       collapse(candidate.from, candidate.to);
     }
+    return is_all;
   }
 
   // Drops the candidates that cost much more than the one at `rank`.
@@ -247,7 +255,7 @@ class Collapser {
       if (is_dead(t)) continue;
       const bool has_b = t[0] == b || t[1] == b || t[2] == b;
       if (has_b) {
-        if (shared == 2) return false;
+        COLOSSUS_CHECK(shared < 2, "an edge of more than two triangles between vertices that may move");
         shared_cell_ = region_.cells[i];
         for (const auto v : t)
           if (v != a && v != b) apexes[shared] = v;
@@ -259,9 +267,8 @@ class Collapser {
         stamps_[v] = seen;
       }
     }
-    if (shared == 0 || common != shared) return false;
+    if (common != shared) return false;
     border_apex_ = shared == 1 ? apexes[0] : kNone;
-    if (shared == 2 && apexes[0] == apexes[1]) return false;
     for (std::size_t k = 0; k < shared; ++k)
       if (count_at_edge(a, apexes[k]) + count_at_edge(b, apexes[k]) <= 2) return false;
     // A triangle of a and one of b over the same two apexes would fall together.

@@ -153,22 +153,34 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
   }
   for (std::size_t r = 0; r < placed.size(); ++r)
     if (placed[r].squared > 0.0)
-      deviation.of_vertices =
-          std::max(deviation.of_vertices, std::sqrt(placed[r].squared) + static_cast<double>(carried[r]));
-  if (!has_border) return deviation;
-  for (const mesh::Edge& edge : mesh::edges(after.triangles)) {
-    if (!edge.is_border()) continue;
-    const Vec3 a = geometry::to_vec3(after.vertices[edge.a].position);
-    const Vec3 b = geometry::to_vec3(after.vertices[edge.b].position);
-    for (const double t : {0.25, 0.5, 0.75}) {
-      const Vec3 p = a + t * (b - a);
-      const double squared = std::min(surface_before.walk(p, origin[edge.a]).squared,
-                                      surface_before.walk(p, origin[edge.b]).squared);
-      deviation.of_vertices =
-          std::max(deviation.of_vertices,
-                   std::sqrt(squared) + static_cast<double>(std::max(carried[edge.a], carried[edge.b])));
+      deviation.of_surface =
+          std::max(deviation.of_surface, std::sqrt(placed[r].squared) + static_cast<double>(carried[r]));
+  // Only where a first look does not show that it is no farther than what is known.
+  const auto measure = [&](std::uint32_t a, std::uint32_t b, double at) {
+    const Vec3 from = geometry::to_vec3(after.vertices[a].position);
+    const Vec3 p = from + at * (geometry::to_vec3(after.vertices[b].position) - from);
+    const double before_it = static_cast<double>(std::max(carried[a], carried[b]));
+    const double known = deviation.greatest() - before_it;
+    Nearest nearest;
+    for (const auto end : {a, b}) {
+      surface_before.look_around(p, origin[end], nearest);
+      if (known > 0.0 && nearest.squared <= known * known) return;
     }
-  }
+    for (const auto end : {a, b})
+      if (const Nearest found = surface_before.walk(p, origin[end]); found.squared < nearest.squared)
+        nearest = found;
+    if (known > 0.0 && nearest.squared <= known * known) return;
+    surface_before.look_everywhere(p, nearest);
+    deviation.of_surface = std::max(deviation.of_surface, std::sqrt(nearest.squared) + before_it);
+  };
+  for (const mesh::Triangle& t : after.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      // From both sides an edge inside the surface would be measured twice.
+      if (t[k] < t[(k + 1) % 3]) measure(t[k], t[(k + 1) % 3], 0.5);
+  if (!has_border) return deviation;
+  for (const mesh::Edge& edge : mesh::edges(after.triangles))
+    if (edge.is_border())
+      for (const double at : {0.25, 0.5, 0.75}) measure(edge.a, edge.b, at);
   return deviation;
 }
 

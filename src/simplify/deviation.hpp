@@ -3,8 +3,8 @@
 // Adding up the steps of all levels overestimates tenfold. Instead each tetrahedron carries points of the
 // input with it, each with the vertex it is nearest to; after every simplification their distances to the new
 // surface are measured by a short walk from there. That is the one side, from the input to the surface. On
-// the other side placed vertices are measured against the surface that they were made of, and added to what
-// that deviated there.
+// the other side placed vertices and the middles of edges are measured against the surface that they were
+// made of, and added to what that deviated there.
 #pragma once
 
 #include <algorithm>
@@ -16,17 +16,19 @@
 namespace colossus::simplify {
 
 struct Deviation {
-  double of_samples = 0.0;   // greatest distance of a sample to the surface, lattice units
-  double of_vertices = 0.0;  // greatest estimate for a placed vertex, or the middle of a border edge
+  double of_samples = 0.0;  // greatest distance of a sample to the surface, lattice units
+  double of_surface = 0.0;  // greatest estimate for a placed vertex, or the middle of an edge
 
-  // What lies between the samples can be farther than they are: up to 1.85 times on the scans tried.
-  double estimate() const { return 2.0 * std::max(of_samples, of_vertices); }
+  double greatest() const { return std::max(of_samples, of_surface); }
+
+  // What lies between the samples can be farther than they are: up to 1.13 times on the scans tried.
+  double estimate() const { return 1.5 * greatest(); }
 };
 
 // `before` is the mesh that was simplified to `after`; `representative[v]` is the vertex of `after` into
 // which v of `before` has collapsed. Moves the samples' anchors from `before` to `after` and updates their
-// distances and cells. `cells` are after's. With `has_border` the middles of border edges are measured too:
-// the surface may have grown beyond the input there. About a quarter of a microsecond per sample.
+// distances and cells. `cells` are after's. With `has_border` border edges are measured at three
+// places: the surface may have grown beyond the input there. About a quarter of a microsecond per sample.
 Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
                             std::span<const std::uint8_t> cells,
                             std::span<const std::uint32_t> representative, bool has_border,

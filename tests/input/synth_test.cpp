@@ -259,7 +259,7 @@ TEST_F(Synth, AFileThatCannotGrowIsRemoved) {
   }
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
-  EXPECT_EQ(statuses, std::vector<int>({74, 74}));
+  EXPECT_EQ(statuses, std::vector<int>({69, 69}));
   EXPECT_FALSE(std::filesystem::exists(made.output));
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "mesh/topology.hpp"
 
 namespace colossus::mesh {
@@ -28,7 +30,6 @@ TEST(Topology, CountsBordersAndDirections) {
   const auto found = edges(square);
   EXPECT_EQ(found.size(), 5U);
   EXPECT_EQ(std::count_if(found.begin(), found.end(), [](const Edge& e) { return e.is_border(); }), 4);
-  EXPECT_EQ(border_loop_count(found, 4), 1U);
   for (const Edge& e : found)
     if (!e.is_border()) {
       EXPECT_EQ(e.forward, 1U);
@@ -36,14 +37,14 @@ TEST(Topology, CountsBordersAndDirections) {
     }
 }
 
-TEST(Topology, FindsNonManifoldVertices) {
-  // A bow-tie at vertex 0; three sheets on edge 5-6; a clean square.
-  const std::vector<Triangle> triangles{{0, 1, 2}, {0, 3, 4},    {5, 6, 7},   {6, 5, 8},
-                                        {5, 6, 9}, {10, 11, 12}, {11, 13, 12}};
-  const auto flags = nonmanifold_vertices(triangles, 14);
-  const std::vector<bool> expected{true,  false, false, false, false, true,  true,
-                                   false, false, false, false, false, false, false};
-  EXPECT_EQ(flags, expected);
+TEST(Topology, CountsAllTrianglesOfAnEdge) {
+  const std::vector<Triangle> sheets{{5, 6, 7}, {6, 5, 8}, {5, 6, 9}};
+  const auto found = edges(sheets);
+  ASSERT_EQ(found.size(), 7U);
+  EXPECT_TRUE(found[0].is_nonmanifold());
+  EXPECT_EQ(found[0].forward, 2U);
+  EXPECT_EQ(found[0].backward, 1U);
+  EXPECT_EQ(std::count_if(found.begin(), found.end(), [](const Edge& e) { return e.is_nonmanifold(); }), 1);
 }
 
 TEST(Interpolate, IsSymmetricAndExactAtTheEnds) {

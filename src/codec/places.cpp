@@ -1,0 +1,58 @@
+#include "codec/places.hpp"
+
+#include <algorithm>
+
+#include "core/hash.hpp"
+
+namespace colossus::codec {
+
+std::size_t WeightsHash::operator()(const Weights& w) const {
+  return core::mix64((std::uint64_t{w[0]} << 32 | w[1]) ^ core::mix64(w[2] + 0x9e3779b97f4a7c15ULL));
+}
+
+std::size_t face_count(const Weights& weights) {
+  return static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0U));
+}
+
+bool step_aside(std::uint32_t v, std::vector<Weights>& weights, Places& places) {
+  for (std::size_t to = 0; to < 4; ++to)
+    for (std::size_t from = 0; from < 4; ++from) {
+      Weights moved = weights[v];
+      if (to == from || moved[from] < 2 || moved[to] == 0) continue;
+      ++moved[to];
+      --moved[from];
+      if (!places.try_emplace(moved, v).second) continue;
+      weights[v] = moved;
+      return true;
+    }
+  return false;
+}
+
+Weights middle_of(const Weights& a, const Weights& b) {
+  Weights middle{};
+  bool rounds_up = false;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::uint32_t sum = a[i] + b[i];
+    middle[i] = sum / 2;
+    if (sum % 2 == 0) continue;
+    middle[i] += rounds_up ? 1 : 0;
+    rounds_up = !rounds_up;
+  }
+  for (std::size_t i = 0; i < 4; ++i)
+    if (middle[i] == 0 && a[i] + b[i] > 0) {
+      --*std::max_element(middle.begin(), middle.end());
+      middle[i] = 1;
+    }
+  return middle;
+}
+
+Weights off_faces(Weights weights) {
+  for (auto& weight : weights)
+    if (weight == 0) {
+      --*std::max_element(weights.begin(), weights.end());
+      weight = 1;
+    }
+  return weights;
+}
+
+}  // namespace colossus::codec
