@@ -140,8 +140,8 @@ void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& tri
     const auto can_split = [](const mesh::Edge& edge) { return edge.forward == edge.backward; };
     bool may_stay = std::all_of(edges.begin(), edges.end(), can_split);
     for (const mesh::Edge& edge : edges)
-      for (std::uint32_t pair = 0; pair < edge.forward; ++pair) {
-        if (!can_split(edge) || std::exchange(may_stay, false)) continue;
+      for (std::uint32_t pair = 0; pair < std::min(edge.forward, edge.backward); ++pair) {
+        if (std::exchange(may_stay, false)) continue;
         // On no face, or neighbours would have to know it.
         const Weights middle = off_faces(middle_of(weights[edge.a], weights[edge.b]));
         const auto v = static_cast<std::uint32_t>(vertices.size());

@@ -8,8 +8,8 @@
 
 namespace colossus::codec {
 
-// Moves vertices on no face by one unit of weight where edges fall together. `triangles` are those that are
-// left after merging. Vertices on faces stay, or neighbours would disagree. Linear.
+// Moves vertices on no face by a few units of weight where edges fall together. `triangles` are those that
+// are left after merging. Vertices on faces stay, or neighbours would disagree. Linear.
 void separate_edges(const std::vector<mesh::Triangle>& triangles, std::vector<Weights>& weights);
 
 // Gives edges that still fall together, since their ends lie on faces or have been merged, a vertex of their

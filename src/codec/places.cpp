@@ -15,16 +15,18 @@ std::size_t face_count(const Weights& weights) {
 }
 
 bool step_aside(std::uint32_t v, std::vector<Weights>& weights, Places& places) {
-  for (std::size_t to = 0; to < 4; ++to)
-    for (std::size_t from = 0; from < 4; ++from) {
-      Weights moved = weights[v];
-      if (to == from || moved[from] < 2 || moved[to] == 0) continue;
-      ++moved[to];
-      --moved[from];
-      if (!places.try_emplace(moved, v).second) continue;
-      weights[v] = moved;
-      return true;
-    }
+  constexpr std::uint32_t kMostUnits = 8;
+  for (std::uint32_t units = 1; units <= kMostUnits; ++units)
+    for (std::size_t to = 0; to < 4; ++to)
+      for (std::size_t from = 0; from < 4; ++from) {
+        Weights moved = weights[v];
+        if (to == from || moved[from] <= units || moved[to] == 0) continue;
+        moved[to] += units;
+        moved[from] -= units;
+        if (!places.try_emplace(moved, v).second) continue;
+        weights[v] = moved;
+        return true;
+      }
   return false;
 }
 

@@ -183,6 +183,7 @@ void Sculptor::paint(std::span<const std::uint32_t> vertices, Vertices& batch) c
 }
 
 constexpr std::uint64_t kElementsPerWrite = 64 * kSynthBatch;
+static_assert(kElementsPerWrite <= std::uint64_t{1} << SynthSlot::kPlaceBits);
 constexpr std::size_t kFaceBytes = 1 + 3 * sizeof(std::int32_t);
 
 // Writes the file block by block; each block is computed from its number alone.
@@ -195,8 +196,9 @@ class Writer {
  private:
   std::string header() const;
   void work();
-  void write_vertices(std::uint64_t first, std::uint64_t count);
-  void write_faces(std::uint64_t first, std::uint64_t count);
+  void write_vertices(std::uint64_t first, std::size_t count);
+  void write_faces(std::uint64_t first, std::size_t count);
+  void put_shuffled_faces(std::uint64_t first, std::size_t count, core::Bytes& bytes) const;
   void put_vertex(std::size_t i, const SurfaceBatch& batch, std::byte* to) const;
 
   const SynthSurface& surface_;
@@ -295,44 +297,55 @@ void Writer::put_vertex(std::size_t i, const SurfaceBatch& batch, std::byte* to)
     to = put(static_cast<std::uint8_t>(static_cast<int>((*lane)[i] + 0.5F)), to);
 }
 
-void Writer::write_vertices(std::uint64_t first, std::uint64_t count) {
-  struct Slot {
-    std::uint32_t number, place;  // which vertex, and where in this block
-  };
-  std::vector<Slot> slots(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint64_t number = options_.shuffle ? vertex_order_.forward(first + i) : first + i;
-    slots[i] = {static_cast<std::uint32_t>(number), i};
-  }
-  // Batches of near vertices can skip what is carved elsewhere.
-  if (options_.shuffle) std::ranges::sort(slots, {}, &Slot::number);
+std::vector<SynthSlot> successive_slots(std::uint64_t first, std::size_t count) {
+  std::vector<SynthSlot> slots(count);
+  for (std::size_t i = 0; i < count; ++i) slots[i] = {first + i, i};
+  return slots;
+}
+
+void Writer::write_vertices(std::uint64_t first, std::size_t count) {
+  const std::vector<SynthSlot> slots =
+      options_.shuffle ? vertex_order_.block(first, count) : successive_slots(first, count);
   core::Bytes bytes(count * vertex_bytes_);
   const auto vertices = std::make_unique<Sculptor::Vertices>();
   std::array<std::uint32_t, kSynthBatch> numbers{};
-  for (std::uint64_t done = 0; done < count; done += kSynthBatch) {
-    const std::size_t size = std::min<std::uint64_t>(kSynthBatch, count - done);
-    for (std::size_t i = 0; i < size; ++i) numbers[i] = slots[done + i].number;
+  // Batches of near vertices can skip what is carved elsewhere: the slots are sorted.
+  for (std::size_t done = 0; done < count; done += kSynthBatch) {
+    const std::size_t size = std::min(kSynthBatch, count - done);
+    for (std::size_t i = 0; i < size; ++i) numbers[i] = static_cast<std::uint32_t>(slots[done + i].number());
     sculptor_.sculpt(std::span(numbers).first(size), *vertices);
     for (std::size_t i = 0; i < size; ++i)
-      put_vertex(i, vertices->base, bytes.data() + slots[done + i].place * vertex_bytes_);
+      put_vertex(i, vertices->base, bytes.data() + slots[done + i].place() * vertex_bytes_);
   }
   file_.write_at(vertices_offset_ + first * vertex_bytes_, bytes);
 }
 
-void Writer::write_faces(std::uint64_t first, std::uint64_t count) {
-  std::vector<std::array<std::uint32_t, 3>> triangles(count);
-  if (options_.shuffle) {
-    for (std::uint64_t i = 0; i < count; ++i) {
-      surface_.triangles(face_order_.forward(first + i), std::span(triangles).subspan(i, 1));
-      for (std::uint32_t& v : triangles[i]) v = static_cast<std::uint32_t>(vertex_order_.backward(v));
-    }
-  } else {
-    surface_.triangles(first, triangles);
-  }
+void Writer::write_faces(std::uint64_t first, std::size_t count) {
   core::Bytes bytes(count * kFaceBytes);
-  std::byte* to = bytes.data();
-  for (const auto& triangle : triangles) to = put(triangle, put(std::uint8_t{3}, to));
+  if (options_.shuffle) {
+    put_shuffled_faces(first, count, bytes);
+  } else {
+    std::vector<std::array<std::uint32_t, 3>> triangles(count);
+    surface_.triangles(first, triangles);
+    std::byte* to = bytes.data();
+    for (const auto& triangle : triangles) to = put(triangle, put(std::uint8_t{3}, to));
+  }
   file_.write_at(faces_offset_ + first * kFaceBytes, bytes);
+}
+
+void Writer::put_shuffled_faces(std::uint64_t first, std::size_t count, core::Bytes& bytes) const {
+  const std::vector<SynthSlot> slots = face_order_.block(first, count);
+  std::array<std::uint64_t, kSynthBatch> numbers{};
+  std::array<std::array<std::uint32_t, 3>, kSynthBatch> triangles{};
+  for (std::size_t done = 0; done < count; done += kSynthBatch) {
+    const std::size_t size = std::min(kSynthBatch, count - done);
+    for (std::size_t i = 0; i < size; ++i) numbers[i] = slots[done + i].number();
+    surface_.triangles_at(std::span(numbers).first(size), std::span(triangles).first(size));
+    for (auto& triangle : std::span(triangles).first(size))
+      for (std::uint32_t& v : triangle) v = static_cast<std::uint32_t>(vertex_order_.backward(v));
+    for (std::size_t i = 0; i < size; ++i)
+      put(triangles[i], put(std::uint8_t{3}, bytes.data() + slots[done + i].place() * kFaceBytes));
+  }
 }
 
 unsigned usable_processors() {

@@ -44,6 +44,10 @@ class SubdividedSurface final : public SynthSurface {
   void triangles(std::uint64_t first, std::span<std::array<std::uint32_t, 3>> corners) const override {
     subdivision_.triangles(first, corners);
   }
+  void triangles_at(std::span<const std::uint64_t> numbers,
+                    std::span<std::array<std::uint32_t, 3>> corners) const override {
+    subdivision_.triangles_at(numbers, corners);
+  }
 
  private:
   // The control points of a triangle's patch: corners are in the mesh; two per edge, from corner i to i + 1;

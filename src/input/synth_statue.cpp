@@ -243,6 +243,8 @@ class StatueSurface final : public SynthSurface {
   void evaluate(std::span<const std::uint32_t> vertices, SurfaceBatch& batch) const override;
   void add_carving(const PointBatch& local, std::size_t count, Lane& height) const override;
   void triangles(std::uint64_t first, std::span<std::array<std::uint32_t, 3>> corners) const override;
+  void triangles_at(std::span<const std::uint64_t> numbers,
+                    std::span<std::array<std::uint32_t, 3>> corners) const override;
 
  private:
   Place place(std::uint32_t vertex) const;
@@ -339,6 +341,15 @@ void StatueSurface::triangles(std::uint64_t first, std::span<std::array<std::uin
       if (t == corners.size()) break;
     }
     corners[t++] = {a, c, d};
+  }
+}
+
+void StatueSurface::triangles_at(std::span<const std::uint64_t> numbers,
+                                 std::span<std::array<std::uint32_t, 3>> corners) const {
+  for (std::size_t t = 0; t < corners.size(); ++t) {
+    const auto [a, b, c, d] = quad(numbers[t] / 2);
+    const bool is_second = numbers[t] % 2 == 1;
+    corners[t] = {a, is_second ? c : b, is_second ? d : c};
   }
 }
 

@@ -285,14 +285,33 @@ Triangle SynthSubdivision::small_part(const Frame& frame, std::uint64_t index) c
   return {around[0], around[index + 1], around[index + 2]};
 }
 
+std::uint64_t SynthSubdivision::triangle_of(std::uint64_t part) const {
+  const std::uint64_t triangle = triangle_of_part_[part >> shift_];
+  return first_part_[triangle + 1] <= part ? triangle + 1 : triangle;
+}
+
 void SynthSubdivision::triangles(std::uint64_t first, std::span<Triangle> corners) const {
   if (corners.empty()) return;
-  std::uint64_t triangle = triangle_of_part_[first >> shift_];
-  if (first_part_[triangle + 1] <= first) ++triangle;
+  std::uint64_t triangle = triangle_of(first);
   Frame frame = frame_of(triangle);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (first + i == first_part_[triangle + 1]) frame = frame_of(++triangle);
     corners[i] = part(frame, first + i - first_part_[triangle]);
+  }
+}
+
+void SynthSubdivision::triangles_at(std::span<const std::uint64_t> numbers,
+                                    std::span<Triangle> corners) const {
+  Frame frame{};
+  std::uint64_t first = 0;  // part of the frame's triangle, which has none at the beginning
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    // Wraps around where the number is below the first.
+    if (numbers[i] - first >= frame.parts) {
+      const std::uint64_t triangle = triangle_of(numbers[i]);
+      frame = frame_of(triangle);
+      first = first_part_[triangle];
+    }
+    corners[i] = part(frame, numbers[i] - first);
   }
 }
 

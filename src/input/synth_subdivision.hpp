@@ -57,6 +57,9 @@ class SynthSubdivision {
 
   // The corners of consecutive triangles from number `first` on, each in the sense of its base triangle.
   void triangles(std::uint64_t first, std::span<std::array<std::uint32_t, 3>> corners) const;
+  // The same of the triangles with these numbers, as many as corners; fastest where the numbers ascend.
+  void triangles_at(std::span<const std::uint64_t> numbers,
+                    std::span<std::array<std::uint32_t, 3>> corners) const;
 
  private:
   // Which edges are long, and which triangles fine.
@@ -78,6 +81,7 @@ class SynthSubdivision {
   };
   Choice choose(std::uint64_t missing) const;
   void number(const Choice& choice, std::uint64_t wanted, const std::string& name);
+  std::uint64_t triangle_of(std::uint64_t part) const;  // the base triangle
   Frame frame_of(std::uint64_t triangle) const;
   std::array<std::uint32_t, 3> part(const Frame& frame, std::uint64_t index) const;
   std::array<std::uint32_t, 3> mixed_part(const Frame& frame, std::uint64_t index) const;

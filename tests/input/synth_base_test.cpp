@@ -290,13 +290,9 @@ TEST_F(SynthBase, NumberAloneDecides) {
   for (const std::uint64_t size : {128U, 200U, 700U, 1500U, 2600U, 7000U}) {
     SCOPED_TRACE(fmt::format("{} triangles, seed {}", size, seed));
     const auto surface = make_subdivided_surface(base, size);
+    expect_triangles_by_number(*surface);
     std::vector<Triangle> all(surface->triangle_count());
     surface->triangles(0, all);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      Triangle one{};
-      surface->triangles(i, std::span(&one, 1));
-      ASSERT_EQ(one, all[i]) << i;
-    }
     std::vector<Triangle> some(all.size() / 3);
     const std::size_t first = random() % (all.size() - some.size());
     surface->triangles(first, some);

@@ -228,6 +228,86 @@ TEST(SynthOrder, IsAPermutationWithItsInverse) {
   }
 }
 
+// More than 2^32 faces are possible on bases with many sheets.
+TEST(SynthOrder, LargeCountsHaveTheirInverse) {
+  for (const std::uint64_t count : {(1ULL << 31) - 7, 1ULL << 32, (1ULL << 32) + 12'345, (1ULL << 33) - 1}) {
+    const SynthOrder order(count, 3);
+    for (std::uint64_t i = 0; i < 20'000; ++i)
+      for (const std::uint64_t index : {i, count - 1 - i, core::mix64(i) % count}) {
+        const std::uint64_t to = order.forward(index);
+        ASSERT_LT(to, count);
+        ASSERT_EQ(order.backward(to), index);
+        ASSERT_LT(order.backward(index), count);
+      }
+  }
+}
+
+// Chi-square of where pairs of indices go, over 32 x 32 parts of the file, and how many go near each other.
+struct PairStatistics {
+  double chi_square = 0, near = 0;
+};
+constexpr std::uint64_t kPairParts = 32, kPairNear = 50;
+
+PairStatistics measure_pairs(const std::vector<std::uint64_t>& to, std::uint64_t distance) {
+  const std::uint64_t count = to.size();
+  std::vector<double> pairs(kPairParts * kPairParts);
+  PairStatistics result;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t a = to[i], b = to[(i + distance) % count];
+    ++pairs[a * kPairParts / count * kPairParts + b * kPairParts / count];
+    result.near += std::max(a, b) - std::min(a, b) <= kPairNear ? 1 : 0;
+  }
+  const double expected = static_cast<double>(count) / static_cast<double>(pairs.size());
+  for (const double n : pairs) result.chi_square += (n - expected) * (n - expected) / expected;
+  return result;
+}
+
+// Where two indices go is as good as independent, whatever their distance. With two or four rounds instead of
+// six, those a multiple of 256 apart, which is the length of a row here, show.
+TEST(SynthOrder, NoDistanceIsNear) {
+  constexpr std::uint64_t kCount = 100'000, kSeeds = 16;
+  constexpr double kFreedom = (kPairParts - 1.0) * (kPairParts - 1.0);
+  for (const bool is_forward : {true, false})
+    for (const std::uint64_t distance : {1U, 2U, 3U, 255U, 256U, 257U, 512U, 50'000U}) {
+      double chi_square = 0, near = 0;
+      for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+        const SynthOrder order(kCount, seed);
+        std::vector<std::uint64_t> to(kCount);
+        for (std::uint64_t i = 0; i < kCount; ++i) to[i] = is_forward ? order.forward(i) : order.backward(i);
+        const PairStatistics pairs = measure_pairs(to, distance);
+        chi_square += pairs.chi_square / kSeeds;
+        near += pairs.near;
+      }
+      SCOPED_TRACE(fmt::format("distance {}, {}", distance, is_forward ? "forward" : "backward"));
+      EXPECT_NEAR(chi_square, kFreedom, 5 * std::sqrt(2 * kFreedom / kSeeds));
+      EXPECT_NEAR(near, 2.0 * kPairNear * kSeeds, 5 * std::sqrt(2.0 * kPairNear * kSeeds));
+    }
+}
+
+TEST(SynthOrder, BlocksHoldTheirElementsByNumber) {
+  for (const std::uint64_t count : {1ULL, 200ULL, 256ULL, 257ULL, 70'000ULL, 20'000'000ULL, 1ULL << 32}) {
+    SCOPED_TRACE(count);
+    const SynthOrder order(count, 17);
+    const std::size_t size = std::min<std::uint64_t>(count, 1U << SynthSlot::kPlaceBits);
+    for (const std::uint64_t first : {std::uint64_t{0}, count - size}) {
+      const std::vector<SynthSlot> slots = order.block(first, size);
+      ASSERT_EQ(slots.size(), size);
+      std::vector<bool> seen(size);
+      for (std::size_t i = 0; i < size; ++i) {
+        ASSERT_EQ(slots[i].number(), order.forward(first + slots[i].place()));
+        EXPECT_TRUE(i == 0 || slots[i - 1].number() < slots[i].number());
+        EXPECT_FALSE(seen[slots[i].place()]);
+        seen[slots[i].place()] = true;
+      }
+    }
+  }
+}
+
+TEST(SynthSurface, TrianglesOfTheStatueAreTheSameInAnyOrder) {
+  for (const std::uint64_t size : {1U, 12U, 100U, 5000U})
+    expect_triangles_by_number(*make_statue_surface(size, 1));
+}
+
 TEST_F(Synth, ErrorsHaveTheirStatusAndLeaveNothingBehind) {
   EXPECT_EQ(failure(options(0)), 2);
   EXPECT_EQ(failure(options(std::uint64_t{1} << 40)), 2);

@@ -3,11 +3,13 @@
 
 #include <cmath>
 #include <map>
+#include <random>
 #include <set>
 #include <sstream>
 
 #include "core/file.hpp"
 #include "input/synth.hpp"
+#include "input/synth_surface.hpp"
 #include "input_testing.hpp"
 
 namespace colossus::input {
@@ -75,6 +77,26 @@ inline double volume(const Ply& ply) {
   for (const Triangle& t : ply.triangles)
     sum += dot(ply.positions[t[0]], cross(ply.positions[t[1]], ply.positions[t[2]])) / 6;
   return sum;
+}
+
+// Whether alone, in any order, or some of them in order, triangles are what they are among all.
+inline void expect_triangles_by_number(const SynthSurface& surface) {
+  std::vector<Triangle> all(surface.triangle_count());
+  surface.triangles(0, all);
+  std::vector<std::uint64_t> numbers(all.size()), every_third;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Triangle one{};
+    surface.triangles(i, std::span(&one, 1));
+    ASSERT_EQ(one, all[i]) << i;
+    numbers[i] = i;
+    if (i % 3 == 0) every_third.push_back(i);
+  }
+  std::ranges::shuffle(numbers, std::minstd_rand(4));
+  for (const auto& chosen : {numbers, every_third}) {
+    std::vector<Triangle> some(chosen.size());
+    surface.triangles_at(chosen, some);
+    for (std::size_t i = 0; i < some.size(); ++i) ASSERT_EQ(some[i], all[chosen[i]]) << chosen[i];
+  }
 }
 
 // Per undirected edge, how many triangles use it each way.

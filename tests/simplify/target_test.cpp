@@ -62,6 +62,18 @@ TEST(Simplify, ChangesTheSmallestOfSimilarShapesFirst) {
   }
 }
 
+// The cheapest collapses of a flat sheet cost nothing; in the end all of these are illegal at its jagged
+// border.
+TEST(Simplify, HalvesAFlatSheetAgainAndAgain) {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Region region = make_region(rough_sheet(24, 24, 0.0, seed), {}, {});
+    region.samples.clear();
+    for (std::size_t target = region.mesh.triangles.size() / 2; target >= 36; target /= 2)
+      EXPECT_LE(simplify(region, target).final_triangles, target);
+  }
+}
+
 TEST(Simplify, DoesTheSameTwice) {
   const Region start = make_region(sphere(4, 0.01, 9), kInnerPlanes, kOuterPlanes);
   Region first = start;
