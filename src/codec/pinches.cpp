@@ -137,9 +137,12 @@ void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& tri
   EdgeSplitter splitter(triangles, weights.size());
   for (const auto& [place, edges] : pinched.by_place) {
     // One pair of triangles may stay: one that cannot be split, if there is any.
-    const auto can_split = [](const mesh::Edge& edge) { return edge.forward == edge.backward; };
-    bool may_stay = std::all_of(edges.begin(), edges.end(), can_split);
-    for (const mesh::Edge& edge : edges)
+    const auto is_balanced = [](const mesh::Edge& edge) { return edge.forward == edge.backward; };
+    bool may_stay = std::all_of(edges.begin(), edges.end(), is_balanced);
+    for (const mesh::Edge& edge : edges) {
+      // Without its pairs, the triangle that is left of an edge inside, where three sheets of the input meet,
+      // would end in a crack.
+      if (!is_balanced(edge) && !share_face(weights[edge.a], weights[edge.b])) continue;
       for (std::uint32_t pair = 0; pair < std::min(edge.forward, edge.backward); ++pair) {
         if (std::exchange(may_stay, false)) continue;
         // On no face, or neighbours would have to know it.
@@ -150,6 +153,7 @@ void split_edges(std::vector<mesh::Vertex>& vertices, std::vector<Triangle>& tri
         if (!pinched.places.try_emplace(middle, v).second) step_aside(v, weights, pinched.places);
         splitter.split_pair(edge, v);
       }
+    }
   }
 }
 

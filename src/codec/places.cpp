@@ -14,6 +14,12 @@ std::size_t face_count(const Weights& weights) {
   return static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0U));
 }
 
+bool share_face(const Weights& a, const Weights& b) {
+  for (std::size_t corner = 0; corner < 4; ++corner)
+    if (a[corner] == 0 && b[corner] == 0) return true;
+  return false;
+}
+
 bool step_aside(std::uint32_t v, std::vector<Weights>& weights, Places& places) {
   constexpr std::uint32_t kMostUnits = 8;
   for (std::uint32_t units = 1; units <= kMostUnits; ++units)

@@ -19,6 +19,9 @@ using Places = std::unordered_map<Weights, std::uint32_t, WeightsHash>;
 // On how many faces of the tetrahedron the place lies.
 std::size_t face_count(const Weights& weights);
 
+// Whether there is a face that both places lie on.
+bool share_face(const Weights& a, const Weights& b);
+
 // Moves vertex v by as few units as it takes, at most 8, to a place that none of `places` is, and notes it
 // there; weights that are 0 stay 0, and no others become 0. False when there is no such place. The first one
 // in the order of the corners, so that both sides of a face choose the same.

@@ -166,14 +166,12 @@ class PolylineSeparator {
 }  // namespace
 
 void settle_polylines(mesh::Mesh& mesh, std::vector<Weights>& weights) {
-  const auto share_face = [&](std::uint32_t a, std::uint32_t b) {
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      if (weights[a][corner] == 0 && weights[b][corner] == 0) return true;
-    return false;
+  const auto is_in_face = [&](std::uint32_t a, std::uint32_t b) {
+    return share_face(weights[a], weights[b]);
   };
   std::vector<Triangle> at_faces;
   for (const Triangle& t : mesh.triangles)
-    if (share_face(t[0], t[1]) || share_face(t[1], t[2]) || share_face(t[2], t[0])) at_faces.push_back(t);
+    if (is_in_face(t[0], t[1]) || is_in_face(t[1], t[2]) || is_in_face(t[2], t[0])) at_faces.push_back(t);
   const std::vector<mesh::Edge> edges = mesh::edges(at_faces);
   // All before any is changed: a vertex that joins one on an edge of its face seems to be on two faces.
   std::array<std::vector<mesh::Edge>, 4> polylines;

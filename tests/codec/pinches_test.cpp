@@ -268,6 +268,21 @@ TEST(SplitEdges, EdgesOfSeveralSheetsOfTheInputStay) {
   }
 }
 
+// The third triangle would be left at an edge that the others no longer have: a crack.
+TEST(SplitEdges, AnEdgeOfThreeSheetsStaysWhenItsVerticesHaveBeenMerged) {
+  for (const bool has_pair_beside : {false, true}) {
+    Surface surface;
+    const std::uint32_t a = surface.add_pair(kInnerA, kInnerB);
+    surface.hang(a, a + 1);
+    surface.is_merged[a] = true;
+    if (has_pair_beside) surface.add_pair(kInnerA, kInnerB);
+    const std::size_t triangle_count = surface.triangles.size();
+    surface.split();
+    EXPECT_EQ(surface.triangles.size(), triangle_count + (has_pair_beside ? 2 : 0));
+    EXPECT_EQ(surface.most_triangles(), 3U);
+  }
+}
+
 TEST(SplitEdges, SingleVerticesThatCoincideStay) {
   Surface surface;
   surface.add_pair(kOnFaceA, kOnFaceB);
