@@ -3,12 +3,12 @@
 
 read_container.py statue.h5                          what is inside, level by level
 read_container.py statue.h5 --nodes                  one line per node
-read_container.py statue.h5 --level 3 -o out.ply     all nodes of level 3 (not a conforming cut)
+read_container.py statue.h5 --level 3 -o out.ply     all nodes of level 3 (of diamonds not a conforming cut)
 read_container.py statue.h5 --finest -o out.ply      all leaf nodes: the finest mesh
 read_container.py statue.h5 --node 7 --node 8 -o out.ply
 
-The PLY is binary, with positions as doubles. Tetrahedra are not joined: points of a common face appear once per
-tetrahedron, with equal bits.
+The PLY is binary, with positions as doubles. Tetrahedra and cubes are not joined: points that several of them have
+appear once in each, with equal bits.
 """
 import argparse
 import itertools
@@ -21,7 +21,7 @@ import zstandard
 
 SCHEMA_MAJOR = 1
 IS_LEAF = 1
-HAS_NORMALS, HAS_COLORS = 1, 2
+HAS_NORMALS, HAS_COLORS, HAS_PARENTS = 1, 2, 4
 
 
 class BadContainer(Exception):
@@ -42,11 +42,18 @@ class Container:
         self.version = tuple(int(v) for v in root["schema_version"])
         if self.version[0] != SCHEMA_MAJOR:
             raise BadContainer(f"{path}: schema version {self.version}: this program reads {SCHEMA_MAJOR}.x")
+        scheme = root["scheme"]
+        self.scheme = scheme.decode() if isinstance(scheme, bytes) else str(scheme)
+        if self.scheme not in DECODERS:
+            raise BadContainer(f"{path}: scheme {self.scheme}: this program reads {' and '.join(DECODERS)}")
         self.attributes = int(root["attributes"])
         lattice = self.file["lattice"].attrs
         self.origin = numpy.array(lattice["origin"], dtype="<f8")
         self.step = float(lattice["step"])
         self.root_bits = int(lattice["root_bits"])
+        self.parameters = {}
+        if "parameters" in self.file:
+            self.parameters = {r["name"].decode(): float(r["value"]) for r in self.file["parameters"][:]}
         self.nodes = self.file["nodes"][:]
         self.raw = open(path, "rb")
 
@@ -150,6 +157,36 @@ def decode_payload(data):
     return bits, flags, tetrahedra
 
 
+def decode_cube_payload(data):
+    """A dict: flags, positions (n, 3) on the lattice, normals, colors, parents (n) or None, triangles (t, 3), used."""
+    reader = Reader(data)
+    codec, version, flags, width, parent_bytes = (int(v) for v in reader.take("<u1", 5))
+    if (codec, version) != (2, 1):
+        raise BadContainer(f"payload: expected codec 2 version 1, found {codec} version {version}")
+    if width > 32 or parent_bytes not in ((1, 2, 4) if flags & HAS_PARENTS else (0,)):
+        raise BadContainer(f"payload: width {width}, {parent_bytes} bytes per parent")
+    n, t = (int(v) for v in reader.take("<u4", 2))
+    offset = reader.take("<i4", 3).astype(numpy.int64)
+    axes = []
+    for axis in range(3):
+        planes = [reader.take("<u1", n).astype(numpy.int64) << 8 * byte for byte in range(max(1, (width + 7) // 8))]
+        axes.append(offset[axis] + sum(planes))
+    cube = {"flags": flags, "positions": numpy.stack(axes, axis=1)}
+    if n and cube["positions"].max() >= 2**31:
+        raise BadContainer("payload: a coordinate is out of range")
+    cube["normals"] = decode_normals(reader.take("<u1", n), reader.take("<u1", n)) if flags & HAS_NORMALS else None
+    cube["colors"] = numpy.stack([reader.take("<u1", n) for _ in range(4)], axis=1) if flags & HAS_COLORS else None
+    cube["parents"] = reader.take(f"<u{parent_bytes}", n).astype(numpy.int64) if flags & HAS_PARENTS else None
+    codes = reader.take(index_type(n), 3 * t)
+    cube["used"] = int((codes == 0).sum())
+    if cube["used"] > n:
+        raise BadContainer(f"payload: triangles use {cube['used']} of {n} vertices")
+    cube["triangles"] = decode_corners(codes, cube["used"]).reshape(-1, 3)
+    if reader.offset != len(data):
+        raise BadContainer(f"payload: {len(data) - reader.offset} bytes left over")
+    return cube
+
+
 def decode_corners(codes, vertex_count):
     """A code is high water minus index; each 0 names the next new vertex and lifts the high water by one."""
     codes = codes.astype(numpy.int64)
@@ -170,7 +207,25 @@ def decode_normals(u, v):
 
 
 def decode_node(container, index):
-    """World positions, normals, colours and triangles of one node, its tetrahedra one after the other."""
+    """World positions, normals, colours and triangles of one node."""
+    return DECODERS[container.scheme](container, index)
+
+
+def decode_cube(container, index):
+    """Without the vertices that only parent maps name: they come last."""
+    node, cube = container.nodes[index], decode_cube_payload(container.payload(index))
+    if (len(cube["positions"]), len(cube["triangles"])) != (node["vertices"], node["triangles"]):
+        raise BadContainer(f"node {index}: expected {node['vertices']} vertices, {node['triangles']} triangles")
+    if (cube["flags"] & HAS_PARENTS != 0) != (node["level"] > 0):
+        raise BadContainer(f"node {index}: expected parents at all levels but 0")
+    used = cube["used"]
+    world = container.origin + container.step * cube["positions"][:used]
+    normals, colors = (None if values is None else values[:used] for values in (cube["normals"], cube["colors"]))
+    return world, normals, colors, cube["triangles"]
+
+
+def decode_diamond(container, index):
+    """Its tetrahedra one after the other."""
     node = container.nodes[index]
     bits, flags, parts = decode_payload(container.payload(index))
     corners = diamond(int(node["level"]), node["center"], container.root_bits)
@@ -189,6 +244,9 @@ def decode_node(container, index):
             join([p["normals"] for p in parts]) if parts and flags & HAS_NORMALS else None,
             join([p["colors"] for p in parts]) if parts and flags & HAS_COLORS else None,
             join(triangles) if parts else numpy.zeros((0, 3), dtype=numpy.int64))
+
+
+DECODERS = {"diamonds": decode_diamond, "blocks": decode_cube}
 
 
 # --------------------------------------------------------------------------------------------------------- programs
@@ -223,8 +281,10 @@ def write_ply(path, meshes, attributes):
 
 def list_levels(container):
     nodes = container.nodes
-    print(f"schema {container.version[0]}.{container.version[1]}, {len(nodes)} nodes, origin {container.origin}, "
-          f"step {container.step}, root side 2^{container.root_bits}")
+    print(f"schema {container.version[0]}.{container.version[1]}, scheme {container.scheme}, {len(nodes)} nodes, "
+          f"origin {container.origin}, step {container.step}, root side 2^{container.root_bits}")
+    for name, value in container.parameters.items():
+        print(f"parameter {name} = {value:g}")
     print(f"{'level':>5} {'nodes':>8} {'leaves':>8} {'triangles':>12} {'vertices':>12} {'bytes':>14} {'error':>12}")
     for level in numpy.unique(nodes["level"]):
         of = nodes[nodes["level"] == level]

@@ -6,17 +6,20 @@
 namespace colossus::build {
 namespace {
 
-container::Metadata metadata_of(const BuildOptions& options, const Catalog& catalog,
-                                const NodeSettings& settings, const Hierarchy& hierarchy) {
+container::Metadata metadata_of(const BuildOptions& options, const Catalog& catalog, const char* scheme,
+                                const Hierarchy& hierarchy) {
   container::Metadata metadata;
-  metadata.lattice = {catalog.lattice.origin, catalog.lattice.step, geometry::kRootBits};
-  metadata.position_bits = settings.quantize.position_bits;
-  metadata.has_normals = settings.quantize.normals;
-  metadata.has_colors = settings.quantize.colors;
+  metadata.scheme = scheme;
+  metadata.lattice = hierarchy.lattice;
+  metadata.position_bits = hierarchy.position_bits;
+  metadata.has_normals = true;
+  metadata.has_colors = catalog.has_colors;
   metadata.options = {{"leaf_triangles", fmt::format("{}", options.leaf_triangles)},
-                      {"position_bits", fmt::format("{}", settings.quantize.position_bits)}};
+                      {"position_bits", fmt::format("{}", hierarchy.position_bits)}};
   if (options.tolerance) metadata.options.push_back({"tolerance", fmt::format("{}", *options.tolerance)});
   if (options.drop_textures) metadata.options.push_back({"drop_textures", "true"});
+  metadata.options.insert(metadata.options.end(), hierarchy.options.begin(), hierarchy.options.end());
+  metadata.parameters = hierarchy.parameters;
   for (const InputFile& file : catalog.files) metadata.inputs.push_back({file.name, file.bytes, file.hash});
   const InputCounts& c = catalog.counts;
   std::uint64_t above_limit = 0;
@@ -32,6 +35,7 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
                      {"merged_vertices", c.merged_vertices},
                      {"attribute_seams", c.attribute_seams},
                      {"leaves_above_limit", above_limit}};
+  if (c.split_edges > 0) metadata.counts.push_back({"split_edges", c.split_edges});
   const auto add = [&](const char* name, auto value_of) {
     std::vector<std::uint64_t> values;
     for (const LevelStatistics& level : hierarchy.levels) values.push_back(value_of(level));
@@ -66,7 +70,7 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
 
 }  // namespace
 
-std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const NodeSettings& settings,
+std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const char* scheme,
                        const Hierarchy& hierarchy) {
   if (hierarchy.nodes.empty())
     core::fail(core::Status::kBadData,
@@ -75,7 +79,7 @@ std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const
   container::ContainerWriter writer(workspace.options.output);
   std::vector<container::NodeRow> rows;
   for (const FinishedNode& node : hierarchy.nodes) rows.push_back(node.row);
-  writer.add_nodes(metadata_of(workspace.options, catalog, settings, hierarchy), std::move(rows));
+  writer.add_nodes(metadata_of(workspace.options, catalog, scheme, hierarchy), std::move(rows));
   for (const FinishedNode& node : hierarchy.nodes) writer.append_chunk(workspace.reader.read(node.chunk));
   writer.commit();
   return std::filesystem::file_size(workspace.options.output);

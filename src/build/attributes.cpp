@@ -55,6 +55,20 @@ class LatticePlacement {
     load();
     if (workspace_.ranks.max<std::uint64_t>(has_unknown_normals_ ? 1 : 0) != 0) sum_normals();
     merge_positions();
+    std::array<std::uint64_t, 2> sums{merged_vertices_, attribute_seams_};
+    workspace_.ranks.all_sum(std::span<std::uint64_t>(sums));
+    catalog_.counts.merged_vertices = sums[0];
+    catalog_.counts.attribute_seams = sums[1];
+    store();
+  }
+
+  void round(std::int32_t spacing) {
+    load();
+    for (auto& block : mine_)
+      for (Vertex& v : block)
+        for (int axis = 0; axis < 3; ++axis)
+          v.position[axis] = (v.position[axis] + spacing / 2) & ~(spacing - 1);
+    merge_positions();
     store();
   }
 
@@ -240,10 +254,6 @@ class LatticePlacement {
         mine_[block][index].color = merged.color;
       }
     }
-    std::array<std::uint64_t, 2> sums{merged_vertices_, attribute_seams_};
-    workspace_.ranks.all_sum(std::span<std::uint64_t>(sums));
-    catalog_.counts.merged_vertices = sums[0];
-    catalog_.counts.attribute_seams = sums[1];
   }
 
   template <typename Visit>
@@ -338,6 +348,10 @@ class LatticePlacement {
 
 void place_on_lattice(const Workspace& workspace, Catalog& catalog) {
   LatticePlacement(workspace, catalog).run();
+}
+
+void round_positions(const Workspace& workspace, Catalog& catalog, std::int32_t spacing) {
+  LatticePlacement(workspace, catalog).round(spacing);
 }
 
 }  // namespace colossus::build

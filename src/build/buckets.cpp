@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "cluster/farm.hpp"
+#include "build/phase.hpp"
 
 namespace colossus::build {
 namespace {
@@ -27,8 +27,11 @@ struct BucketPiece {
 
 class BucketFiller {
  public:
-  BucketFiller(const Workspace& workspace, Catalog& catalog)
-      : workspace_(workspace), catalog_(catalog), mapped_(workspace.scratch) {}
+  BucketFiller(const Workspace& workspace, Catalog& catalog, int most_depth)
+      : workspace_(workspace),
+        catalog_(catalog),
+        most_depth_(std::min(most_depth, kMaxDepth)),
+        mapped_(workspace.scratch) {}
 
   std::vector<Bucket> run() {
     workspace_.ranks.attempt([&] { store_.emplace(catalog_.vertex_blocks, mapped_); });
@@ -48,7 +51,7 @@ class BucketFiller {
   // A surface fills about 4^depth cubes: two levels more than an even spread would need.
   void choose_depth() {
     depth_ = 0;
-    while (depth_ < kMaxDepth && bucket_limit() << (2 * depth_) < catalog_.counts.triangles * 16) ++depth_;
+    while (depth_ < most_depth_ && bucket_limit() << (2 * depth_) < catalog_.counts.triangles * 16) ++depth_;
     if (catalog_.counts.triangles <= bucket_limit()) depth_ = 0;
   }
 
@@ -118,8 +121,8 @@ class BucketFiller {
   // One task per block of triangles: a record for each bucket that it touches.
   void distribute() {
     std::vector<std::vector<BucketPiece>> pieces(catalog_.triangle_blocks.size());
-    cluster::run_farm(
-        workspace_.ranks, catalog_.triangle_blocks.size(),
+    run_phase(
+        workspace_, "buckets", catalog_.triangle_blocks.size(),
         [](std::size_t i) {
           ByteWriter writer;
           writer.put(i);
@@ -187,6 +190,7 @@ class BucketFiller {
 
   const Workspace& workspace_;
   Catalog& catalog_;
+  int most_depth_;
   scratch::MappedSpool mapped_;
   std::optional<VertexStore> store_;
   int depth_ = 0;
@@ -197,8 +201,33 @@ class BucketFiller {
 
 }  // namespace
 
-std::vector<Bucket> fill_buckets(const Workspace& workspace, Catalog& catalog) {
-  return BucketFiller(workspace, catalog).run();
+std::vector<std::size_t> filled_buckets(const std::vector<Bucket>& buckets) {
+  std::vector<std::size_t> filled;
+  for (std::size_t i = 0; i < buckets.size(); ++i)
+    if (buckets[i].triangle_count > 0) filled.push_back(i);
+  std::stable_sort(filled.begin(), filled.end(), [&](std::size_t a, std::size_t b) {
+    return buckets[a].triangle_count > buckets[b].triangle_count;
+  });
+  return filled;
+}
+
+core::Bytes bucket_task(const Bucket& bucket) {
+  ByteWriter writer;
+  writer.put(bucket.cube);
+  writer.put_array<scratch::RecordRef>(bucket.records);
+  return writer.take();
+}
+
+Bucket bucket_of_task(std::span<const std::byte> task) {
+  ByteReader reader(task);
+  Bucket bucket;
+  bucket.cube = reader.get<Cube>();
+  bucket.records = reader.get_array<scratch::RecordRef>(reader.remaining() / sizeof(scratch::RecordRef));
+  return bucket;
+}
+
+std::vector<Bucket> fill_buckets(const Workspace& workspace, Catalog& catalog, int most_depth) {
+  return BucketFiller(workspace, catalog, most_depth).run();
 }
 
 }  // namespace colossus::build

@@ -28,8 +28,14 @@ struct Bucket {
   std::uint64_t triangle_count = 0;
 };
 
+// The buckets that are not empty, as tasks: the largest first, so that none of them starts last. On rank 0.
+std::vector<std::size_t> filled_buckets(const std::vector<Bucket>& buckets);
+core::Bytes bucket_task(const Bucket& bucket);
+Bucket bucket_of_task(std::span<const std::byte> task);  // without the count
+
 // Sends every triangle that is not degenerate to all buckets that its bounding box meets; counts the
-// degenerate ones in the catalogue. The buckets are the same on all ranks but for their records. Collective.
-std::vector<Bucket> fill_buckets(const Workspace& workspace, Catalog& catalog);
+// degenerate ones in the catalogue. The buckets are the same on all ranks but for their records. None is
+// deeper than `most_depth`. Collective.
+std::vector<Bucket> fill_buckets(const Workspace& workspace, Catalog& catalog, int most_depth);
 
 }  // namespace colossus::build

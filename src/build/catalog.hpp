@@ -23,8 +23,9 @@ enum class RecordKind : std::uint32_t {
   kVertices = 3,       // mesh::Vertex, on the lattice
   kFinalVertices = 4,  // the same with all normals, equal attributes at equal positions
   kBucket = 5,         // BucketTriangle
-  kTetrahedron = 6,    // a TetrahedronMesh
+  kMesh = 6,           // a SampledMesh
   kChunk = 7,          // a frame of the container
+  kRim = 8,            // positions of the vertices that a cube shares
 };
 
 // Consecutive vertices of all files, numbered through.
@@ -60,6 +61,7 @@ struct InputCounts {
   std::uint64_t duplicate = 0;    // dropped
   std::uint64_t border_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
+  std::uint64_t split_edges = 0;      // too long for their cubes (blocks)
   std::uint64_t merged_vertices = 0;  // vertices at a position that an earlier one has
   std::uint64_t attribute_seams =
       0;  // positions whose vertices had different attributes, which were averaged

@@ -8,17 +8,23 @@
 #include <vector>
 
 #include "codec/node_mesh.hpp"
+#include "container/schema.hpp"
 
 namespace colossus::build {
 
 struct BuildOptions {
   std::vector<std::string> inputs;  // files, or @list.txt
   std::filesystem::path output;
-  std::filesystem::path scratch;        // empty: <output>.scratch
-  std::uint64_t leaf_triangles = 8000;  // per tetrahedron, after clipping
+  std::filesystem::path scratch;  // empty: <output>.scratch
+  std::string scheme = container::kSchemeDiamonds;
+  std::uint64_t leaf_triangles = 8000;  // per tetrahedron, after clipping; on average per cube
   int position_bits = codec::kDefaultPositionBits;
   std::optional<double> tolerance;  // world units; chooses position_bits
   bool drop_textures = false;
+  // Of blocks alone.
+  std::optional<int> levels;      // the deepest level, instead of the one that leaf_triangles gives
+  std::optional<int> block_size;  // cubes along a block
+  double color_weight = 0.0;      // of colours in the error of a collapse, see simplify::Region
 };
 
 // Inner nodes keep at least this many triangles per non-empty tetrahedron: strict halving would let nodes

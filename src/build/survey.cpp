@@ -2,7 +2,7 @@
 
 #include <xxhash.h>
 
-#include "cluster/farm.hpp"
+#include "build/phase.hpp"
 #include "core/file.hpp"
 #include "core/log.hpp"
 
@@ -98,7 +98,7 @@ class Survey {
       tasks.push_back({f, 1, {}});
       for (const input::Part& part : sources_[f]->parts()) tasks.push_back({f, 0, part});
     }
-    run_tasks(tasks);
+    run_tasks("survey", tasks);
     reread_irregular_files();
     number_through();
     share();
@@ -125,12 +125,12 @@ class Survey {
     });
   }
 
-  void run_tasks(const std::vector<SurveyTask>& tasks) {
+  void run_tasks(const std::string& phase, const std::vector<SurveyTask>& tasks) {
     // Results arrive in any order; they are kept by task, so that blocks come in the order of the files'
     // faces.
     std::vector<Bytes> results(tasks.size());
-    run_farm(
-        workspace_.ranks, tasks.size(),
+    run_phase(
+        workspace_, phase, tasks.size(),
         [&](std::size_t i) {
           ByteWriter writer;
           writer.put(tasks[i]);
@@ -194,7 +194,7 @@ class Survey {
       std::erase_if(catalog_.triangle_blocks, [&](const TriangleBlockRef& block) { return block.file == f; });
       for (const input::Part& part : sources_[f]->sequential_face_parts()) tasks.push_back({f, 0, part});
     }
-    run_tasks(tasks);
+    run_tasks("survey of irregular files", tasks);
     std::stable_sort(catalog_.triangle_blocks.begin(), catalog_.triangle_blocks.end(),
                      [](const TriangleBlockRef& a, const TriangleBlockRef& b) { return a.file < b.file; });
   }

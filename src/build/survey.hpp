@@ -16,4 +16,9 @@ Catalog survey(const Workspace& workspace);
 // counts. Collective.
 void place_on_lattice(const Workspace& workspace, Catalog& catalog);
 
+// Rounds all coordinates to multiples of `spacing`, a power of two, and merges the attributes of vertices
+// that this puts at one position. Replaces the catalogue's vertex blocks; the counts stay those of the input.
+// Collective.
+void round_positions(const Workspace& workspace, Catalog& catalog, std::int32_t spacing);
+
 }  // namespace colossus::build

@@ -13,7 +13,10 @@ void add_build(CLI::App& app, Action& chosen) {
       ->required();
   command->add_option("-o,--output", options->output, "The container to write, e.g. statue.h5")->required();
   command->add_option("--scratch", options->scratch, "Folder for temporary files; default: <output>.scratch");
-  command->add_option("--leaf-triangles", options->leaf_triangles, "Most triangles per leaf tetrahedron")
+  command->add_option("--scheme", options->scheme, "diamonds or blocks")->capture_default_str();
+  command
+      ->add_option("--leaf-triangles", options->leaf_triangles,
+                   "Most triangles per leaf tetrahedron; of blocks: most on average per cube")
       ->capture_default_str();
   auto* bits =
       command->add_option("--position-bits", options->position_bits, "Bits per barycentric weight, 8 to 16")
@@ -22,6 +25,13 @@ void add_build(CLI::App& app, Action& chosen) {
       ->add_option("--tolerance", options->tolerance,
                    "Largest quantisation error of the finest level in the input's units; chooses the bits")
       ->excludes(bits);
+  command->add_option("--levels", options->levels,
+                      "Of blocks: the deepest level, instead of the one that fits");
+  command->add_option("--block-size", options->block_size, "Of blocks: cubes along a block; default: 4");
+  command
+      ->add_option("--color-weight", options->color_weight,
+                   "Of blocks: mean edge lengths that a full change of colour counts when simplifying")
+      ->capture_default_str();
   command->add_flag("--drop-textures", options->drop_textures,
                     "Accept texture coordinates and materials, and drop them");
   command->callback([&chosen, options] {

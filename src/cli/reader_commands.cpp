@@ -2,20 +2,30 @@
 #include <cstdio>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "cli/commands.hpp"
 #include "core/error.hpp"
 #include "core/log.hpp"
 #include "input/load.hpp"
-#include "reader/cut.hpp"
+#include "reader/cube_extract.hpp"
+#include "reader/cube_verify.hpp"
 #include "reader/distance.hpp"
 #include "reader/extract.hpp"
 #include "reader/info.hpp"
+#include "reader/open.hpp"
 #include "reader/verify.hpp"
 
 namespace colossus::cli {
 namespace {
+
+// Opens a container of any scheme and calls visit with its statue. What the schemes do differently is
+// overloaded.
+template <typename Visit>
+auto with_statue(const std::string& path, Visit visit) {
+  return std::visit([&](const auto& statue) { return visit(*statue); }, reader::open(path));
+}
 
 struct VerifyArguments {
   std::string container;
@@ -24,8 +34,8 @@ struct VerifyArguments {
   bool drop_textures = false;
 };
 
-int run_verify(const VerifyArguments& arguments) {
-  const reader::Statue statue(arguments.container);
+template <typename Statue>
+int verify_statue(const Statue& statue, const VerifyArguments& arguments) {
   reader::VerifyOptions options;
   options.samples_per_node = arguments.samples;
   input::LoadedMesh input;
@@ -47,19 +57,24 @@ struct ExtractArguments {
   std::optional<std::uint32_t> level;
   std::optional<double> error;
   std::optional<std::uint64_t> triangles;
+  std::vector<double> eye;
+  std::optional<double> kappa;
 };
 
-reader::Cut chosen_cut(const reader::Statue& statue, const ExtractArguments& arguments) {
-  if (arguments.level) return reader::cut_at_level(statue, *arguments.level);
-  if (arguments.error) return reader::cut_with_error(statue, *arguments.error);
-  return reader::cut_with_triangles(statue, *arguments.triangles);
+template <typename Statue>
+auto chosen_cut(const Statue& statue, const ExtractArguments& arguments) {
+  if (arguments.level) return cut_at_level(statue, *arguments.level);
+  if (arguments.error) return cut_with_error(statue, *arguments.error);
+  if (arguments.triangles) return cut_with_triangles(statue, *arguments.triangles);
+  return cut_at_eye(statue,
+                    reader::Eye{{arguments.eye[0], arguments.eye[1], arguments.eye[2]}, arguments.kappa});
 }
 
-int run_extract(const ExtractArguments& arguments) {
-  const reader::Statue statue(arguments.container);
-  const reader::Cut cut = chosen_cut(statue, arguments);
+template <typename Statue>
+int extract_cut(const Statue& statue, const ExtractArguments& arguments) {
+  const auto cut = chosen_cut(statue, arguments);
   if (!cut.warning.empty()) core::warn("{}", cut.warning);
-  const reader::ExtractResult result = reader::extract(statue, cut, arguments.output);
+  const reader::ExtractResult result = extract(statue, cut, arguments.output);
   core::log("{}: {} vertices, {} triangles{}", arguments.output, result.vertices, result.triangles,
             result.has_doubles ? ", positions as doubles" : "");
   return 0;
@@ -78,25 +93,30 @@ void add_info(CLI::App& app, Action& chosen) {
   command->add_flag("--json", arguments->json, "As JSON");
   command->callback([&chosen, arguments] {
     chosen = [arguments](int&, char**&) {
-      const reader::Statue statue(arguments->container);
-      std::fputs((arguments->json ? info_json(statue) : info_text(statue)).c_str(), stdout);
-      return 0;
+      return with_statue(arguments->container, [&](const reader::StatueFile& statue) {
+        std::fputs((arguments->json ? info_json(statue) : info_text(statue)).c_str(), stdout);
+        return 0;
+      });
     };
   });
 }
 
 void add_verify(CLI::App& app, Action& chosen) {
   auto arguments = std::make_shared<VerifyArguments>();
-  CLI::App* command =
-      app.add_subcommand("verify", "Check a container: bytes, structure, every face, every uniform cut");
+  CLI::App* command = app.add_subcommand(
+      "verify", "Check a container: bytes, structure, every face or parent map, every uniform cut");
   command->add_option("container", arguments->container, "The container")->required();
   command->add_option("--against", arguments->against,
                       "The input files: check the stored errors by sampling");
   command->add_option("--samples", arguments->samples, "Samples per node with --against")
       ->capture_default_str();
   command->add_flag("--drop-textures", arguments->drop_textures, "As for build");
-  command->callback(
-      [&chosen, arguments] { chosen = [arguments](int&, char**&) { return run_verify(*arguments); }; });
+  command->callback([&chosen, arguments] {
+    chosen = [arguments](int&, char**&) {
+      return with_statue(arguments->container,
+                         [&](const auto& statue) { return verify_statue(statue, *arguments); });
+    };
+  });
 }
 
 void add_extract(CLI::App& app, Action& chosen) {
@@ -105,15 +125,32 @@ void add_extract(CLI::App& app, Action& chosen) {
   command->add_option("container", arguments->container, "The container")->required();
   command->add_option("-o,--output", arguments->output, "The PLY file to write")->required();
   CLI::Option_group* cut = command->add_option_group("cut", "Which cut");
-  cut->add_option("--level", arguments->level, "Every tetrahedron of this level, or the leaf above it");
+  cut->add_option("--level", arguments->level,
+                  "Every tetrahedron or cube of this level, or the leaf above it");
   cut->add_option("--error", arguments->error,
                   "The coarsest cut with at most this error, in the input's units")
       ->check(CLI::NonNegativeNumber);
   cut->add_option("--triangles", arguments->triangles,
                   "The finest cut of a fixed order with at most so many triangles");
+  CLI::Option* eye =
+      cut->add_option("--eye", arguments->eye,
+                      "The view-dependent cut for an eye at X,Y,Z, in the input's units; blocks are "
+                      "morphed, so that no level ends abruptly")
+          ->delimiter(',')
+          ->expected(3);
   cut->require_option(1);
-  command->callback(
-      [&chosen, arguments] { chosen = [arguments](int&, char**&) { return run_extract(*arguments); }; });
+  command
+      ->add_option(
+          "--kappa", arguments->kappa,
+          "With --eye: what is nearer than so many times a node's side is refined; default 2, or what "
+          "blocks need at least")
+      ->needs(eye);
+  command->callback([&chosen, arguments] {
+    chosen = [arguments](int&, char**&) {
+      return with_statue(arguments->container,
+                         [&](const auto& statue) { return extract_cut(statue, *arguments); });
+    };
+  });
 }
 
 }  // namespace colossus::cli

@@ -1,5 +1,7 @@
 #include "codec/node_codec.hpp"
 
+#include "codec/planes.hpp"
+
 namespace colossus::codec {
 namespace {
 
@@ -15,41 +17,15 @@ constexpr std::uint8_t kMaxPlaces = 8;
 
 // A weight can be 2^bits itself, at a corner.
 std::size_t weight_bytes(int position_bits) { return position_bits < 16 ? 2 : 4; }
-// What is stored can be as large as the number of vertices: vertex 0, seen after the last new one.
-std::size_t index_bytes(std::size_t vertex_count) {
-  return vertex_count <= 0xff ? 1 : vertex_count <= 0xffff ? 2 : 4;
-}
-
-void put_sized(ByteWriter& writer, std::uint32_t value, std::size_t bytes) {
-  writer.put_bytes(std::as_bytes(std::span<const std::uint32_t, 1>(&value, 1)).first(bytes));
-}
-
-std::uint32_t get_sized(std::span<const std::byte> plane, std::size_t index, std::size_t bytes) {
-  std::uint32_t value = 0;
-  std::memcpy(&value, plane.data() + index * bytes, bytes);
-  return value;
-}
 
 void put_tetrahedron(ByteWriter& writer, const NodeMesh& node, const QuantizedTetrahedron& part) {
   const std::size_t width = weight_bytes(node.position_bits);
   for (std::size_t corner = 0; corner < 3; ++corner)
     for (const Weights& w : part.weights) put_sized(writer, w[corner], width);
   writer.put_array<std::uint8_t>(part.marks);
-  if (node.has_normals)
-    for (std::size_t component = 0; component < 2; ++component)
-      for (const auto& n : part.normals) writer.put(n[component]);
-  if (node.has_colors)
-    for (std::size_t component = 0; component < 4; ++component)
-      for (const auto& c : part.colors) writer.put(c[component]);
-  // Counted back from the highest index so far: small numbers, 0 for a new vertex.
-  std::uint32_t high_water = 0;
-  const std::size_t size = index_bytes(part.weights.size());
-  for (const mesh::Triangle& t : part.triangles)
-    for (const std::uint32_t v : t) {
-      COLOSSUS_CHECK(v <= high_water, "vertices are not in order of first use");
-      put_sized(writer, high_water - v, size);
-      if (v == high_water) ++high_water;
-    }
+  if (node.has_normals) put_normals(writer, part.normals);
+  if (node.has_colors) put_colors(writer, part.colors);
+  put_triangles(writer, part.triangles, part.weights.size());
 }
 
 struct Counts {
@@ -70,8 +46,8 @@ core::Result<QuantizedTetrahedron> get_tetrahedron(ByteReader& reader, const Nod
   const auto marks = reader.get_bytes(n);
   const auto normals = reader.get_bytes(node.has_normals ? 2 * n : 0);
   const auto colors = reader.get_bytes(node.has_colors ? 4 * n : 0);
-  const std::size_t size = index_bytes(counts.vertices);
-  const auto indices = reader.get_bytes(3 * std::uint64_t{counts.triangles} * size);
+  const std::uint64_t triangle_start = reader.offset();
+  const auto indices = reader.get_bytes(triangle_plane_bytes(n, counts.triangles));
   if (reader.failed()) return Defect{"the node is cut short", start};
 
   const std::uint32_t sum = std::uint32_t{1} << node.position_bits;
@@ -88,28 +64,13 @@ core::Result<QuantizedTetrahedron> get_tetrahedron(ByteReader& reader, const Nod
     if (part.marks[i] != marks_of(w))
       return Defect{"a vertex's face marks are not those of its weights", start + i};
   }
-  if (node.has_normals) {
-    part.normals.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t k = 0; k < 2; ++k)
-        part.normals[i][k] = std::to_integer<std::uint8_t>(normals[k * n + i]);
-  }
-  if (node.has_colors) {
-    part.colors.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t k = 0; k < 4; ++k)
-        part.colors[i][k] = std::to_integer<std::uint8_t>(colors[k * n + i]);
-  }
-  part.triangles.resize(counts.triangles);
-  std::uint32_t high_water = 0;
-  for (std::size_t corner = 0; corner < 3 * std::size_t{counts.triangles}; ++corner) {
-    const std::uint32_t back = get_sized(indices, corner, size);
-    if (back > high_water || (back == 0 && high_water >= counts.vertices))
-      return Defect{"a vertex index is out of range", start};
-    part.triangles[corner / 3][corner % 3] = high_water - back;
-    if (back == 0) ++high_water;
-  }
-  if (high_water != counts.vertices) return Defect{"a vertex is used by no triangle", start};
+  part.normals = normals_of(normals);
+  part.colors = colors_of(colors);
+  auto triangles = triangles_of(indices, counts.vertices, counts.triangles, triangle_start);
+  if (!triangles) return triangles.defect();
+  if (triangles.value().used_vertices != counts.vertices)
+    return Defect{"a vertex is used by no triangle", triangle_start};
+  part.triangles = std::move(triangles.value().triangles);
   return part;
 }
 
@@ -117,12 +78,10 @@ core::Result<QuantizedTetrahedron> get_tetrahedron(ByteReader& reader, const Nod
 
 core::Bytes encode(const NodeMesh& node) {
   ByteWriter writer;
-  writer.put(kCodec);
-  writer.put(kVersion);
-  writer.put(static_cast<std::uint8_t>(node.position_bits));
-  writer.put(
-      static_cast<std::uint8_t>((node.has_normals ? kNormalsFlag : 0) | (node.has_colors ? kColorsFlag : 0)));
-  writer.put(static_cast<std::uint8_t>(node.tetrahedra.size()));
+  const auto flags =
+      static_cast<std::uint8_t>((node.has_normals ? kNormalsFlag : 0) | (node.has_colors ? kColorsFlag : 0));
+  put_start(writer, {kCodec, kVersion, static_cast<std::uint8_t>(node.position_bits), flags,
+                     static_cast<std::uint8_t>(node.tetrahedra.size())});
   for (const QuantizedTetrahedron& part : node.tetrahedra) {
     writer.put(part.place);
     writer.put(static_cast<std::uint32_t>(part.weights.size()));

@@ -1,13 +1,12 @@
 #include "codec/quantize.hpp"
 
-#include <meshoptimizer.h>
-
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
 #include "codec/pinches.hpp"
 #include "codec/polylines.hpp"
+#include "codec/vertex_order.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec {
@@ -72,13 +71,6 @@ double moved_by(const Weights& weights, const geometry::Point& from,
   const double y = static_cast<double>(to[1]) * scale - from.y;
   const double z = static_cast<double>(to[2]) * scale - from.z;
   return std::sqrt(x * x + y * y + z * z);
-}
-
-void order_for_cache(std::vector<Triangle>& triangles, std::size_t vertex_count) {
-  if (triangles.empty()) return;
-  std::vector<unsigned int> ordered(triangles.size() * 3);
-  meshopt_optimizeVertexCache(ordered.data(), triangles.front().data(), ordered.size(), vertex_count);
-  std::copy(ordered.begin(), ordered.end(), triangles.front().data());
 }
 
 }  // namespace

@@ -48,6 +48,19 @@ void write_options(const Blame& blame, hid_t file, const std::vector<NamedText>&
   write_table(blame, create_table(blame, file, "options", fields, options.size()), rows.bytes());
 }
 
+// Absent in containers of schemes without parameters, as in those of schema 1.0.
+void write_parameters(const Blame& blame, hid_t file, const std::vector<NamedReal>& parameters) {
+  if (parameters.empty()) return;
+  const std::vector<Field> fields = {{"name", FieldType::kText, widest(parameters, &NamedReal::name)},
+                                     {"value", FieldType::kF64}};
+  core::ByteWriter rows;
+  for (const NamedReal& parameter : parameters) {
+    put_text(rows, parameter.name, fields[0].count);
+    rows.put(parameter.value);
+  }
+  write_table(blame, create_table(blame, file, "parameters", fields, parameters.size()), rows.bytes());
+}
+
 void write_inputs(const Blame& blame, hid_t file, const std::vector<InputInfo>& inputs) {
   const std::vector<Field> fields = {{"name", FieldType::kText, widest(inputs, &InputInfo::name)},
                                      {"bytes", FieldType::kU64},
@@ -151,9 +164,24 @@ void read_version(const Blame& blame, hid_t file, Metadata& metadata) {
   metadata.schema_major = version[0];
   metadata.schema_minor = version[1];
   metadata.scheme = read_text_attribute(blame, file, "/", "scheme");
-  if (metadata.scheme != kSchemeDiamonds)
-    core::fail(blame.status, "{}: scheme: expected '{}', found '{}'", blame.file, kSchemeDiamonds,
-               metadata.scheme);
+  if (metadata.scheme != kSchemeDiamonds && metadata.scheme != kSchemeBlocks)
+    core::fail(blame.status, "{}: scheme: expected '{}' or '{}', found '{}'", blame.file, kSchemeDiamonds,
+               kSchemeBlocks, metadata.scheme);
+}
+
+void read_parameters(const Blame& blame, hid_t file, const core::File& bytes, Metadata& metadata) {
+  if (H5Lexists(file, "parameters", H5P_DEFAULT) <= 0) return;
+  const Table table = read_table(blame, file, bytes, "parameters");
+  const Field& name = table.field("name", FieldType::kText);
+  const Field& value = table.field("value", FieldType::kF64);
+  for (std::uint64_t i = 0; i < table.row_count; ++i) {
+    NamedReal parameter{table.text(i, name), 0};
+    std::memcpy(&parameter.value, table.at(i, value), sizeof(double));
+    if (!std::isfinite(parameter.value))
+      core::fail(blame.status, "{}: row {}: {}: expected a finite number, found {}", table.place, i,
+                 parameter.name, parameter.value);
+    metadata.parameters.push_back(std::move(parameter));
+  }
 }
 
 void read_levels(const Blame& blame, hid_t file, const core::File& bytes, Metadata& metadata) {
@@ -189,6 +217,7 @@ void write_metadata(const Blame& blame, hid_t file, const Metadata& metadata) {
   write_attribute(blame, file, "attributes", FieldType::kU8, 1, &attributes);
   write_lattice(blame, file, metadata);
   write_options(blame, file, metadata.options);
+  write_parameters(blame, file, metadata.parameters);
   write_inputs(blame, file, metadata.inputs);
   write_counts(blame, file, metadata.counts);
   write_levels(blame, file, metadata.levels);
@@ -208,6 +237,8 @@ Metadata read_metadata(const Blame& blame, hid_t file, const core::File& bytes) 
   const Field& option_value = options.field("value", FieldType::kText);
   for (std::uint64_t i = 0; i < options.row_count; ++i)
     metadata.options.push_back({options.text(i, option_name), options.text(i, option_value)});
+
+  read_parameters(blame, file, bytes, metadata);
 
   const Table inputs = read_table(blame, file, bytes, "inputs");
   const Field& input_name = inputs.field("name", FieldType::kText);

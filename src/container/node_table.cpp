@@ -11,6 +11,9 @@ namespace {
 
 using core::Status;
 
+// Deeper cubes are not in the schema.
+constexpr int kMaxCubeLevel = 20;
+
 // Calls visit(name, type, count, member) for each field in the order of the file.
 template <typename Row, typename Visit>
 void for_each_field(Row& row, Visit visit) {
@@ -36,7 +39,7 @@ template <typename Found>
   core::fail(Status::kBadData, "{}: row {}: expected {}, found {}", table.place, row, expected, found);
 }
 
-void check_geometry(const Table& table, std::size_t i, const NodeRow& row, const LatticeInfo& lattice) {
+void check_diamond(const Table& table, std::size_t i, const NodeRow& row, const LatticeInfo& lattice) {
   // Three levels halve the side of the cubes; below a side of two lattice steps no diamond has a centre.
   const auto max_level = static_cast<std::uint32_t>(3 * lattice.root_bits);
   if (row.level > max_level) fail_row(table, i, fmt::format("a level of at most {}", max_level), row.level);
@@ -47,6 +50,21 @@ void check_geometry(const Table& table, std::size_t i, const NodeRow& row, const
   const int places = kPlaces[row.level % 3];
   if (row.tetra_mask >> places != 0)
     fail_row(table, i, fmt::format("a mask of {} tetrahedra", places), static_cast<int>(row.tetra_mask));
+}
+
+void check_cube(const Table& table, std::size_t i, const NodeRow& row, const Metadata& metadata) {
+  // A cube of the deepest level has sides of 2^position_bits.
+  const int max_level = std::min(kMaxCubeLevel, metadata.lattice.root_bits - metadata.position_bits);
+  if (std::int64_t{row.level} > max_level)
+    fail_row(table, i, fmt::format("a level of at most {}", max_level), row.level);
+  const std::int32_t side = std::int32_t{1} << (metadata.lattice.root_bits - static_cast<int>(row.level));
+  for (const std::int32_t c : row.center)
+    if (c < 0 || c >> metadata.lattice.root_bits != 0 || c % side != side / 2)
+      fail_row(table, i, fmt::format("a centre of a cube with sides of {}", side), c);
+  if (row.tetra_mask != 1) fail_row(table, i, "a mask of 1", static_cast<int>(row.tetra_mask));
+}
+
+void check_values(const Table& table, std::size_t i, const NodeRow& row) {
   if (!std::isfinite(row.error) || row.error < 0) fail_row(table, i, "an error of 0 or more", row.error);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double low = row.bounds[axis];
@@ -110,7 +128,7 @@ std::array<std::uint64_t, kCapacityClassCount> chunk_counts(const std::vector<No
   return counts;
 }
 
-std::vector<NodeRow> decode_rows(const Table& table, const LatticeInfo& lattice, std::uint64_t file_bytes) {
+std::vector<NodeRow> decode_rows(const Table& table, const Metadata& metadata, std::uint64_t file_bytes) {
   std::vector<const Field*> fields;
   for (const Field& field : node_fields())
     fields.push_back(&table.field(field.name, field.type, field.count));
@@ -122,7 +140,11 @@ std::vector<NodeRow> decode_rows(const Table& table, const LatticeInfo& lattice,
     for_each_field(row, [&](const char*, FieldType, std::uint32_t, auto& value) {
       std::memcpy(&value, table.at(i, *fields[f++]), sizeof(value));
     });
-    check_geometry(table, i, row, lattice);
+    if (metadata.scheme == kSchemeBlocks)
+      check_cube(table, i, row, metadata);
+    else
+      check_diamond(table, i, row, metadata.lattice);
+    check_values(table, i, row);
     check_chunk(table, i, row, file_bytes);
     if (row.chunk_index != next_chunk[row.capacity_class]++)
       fail_row(table, i, fmt::format("chunk {} of its class", next_chunk[row.capacity_class] - 1),

@@ -70,7 +70,7 @@ ContainerReader::ContainerReader(const std::filesystem::path& path) {
   const Blame blame{path.string(), Status::kBadData};
   const Handle file = open_file(blame);
   metadata_ = read_metadata(blame, file.get(), bytes_);
-  rows_ = decode_rows(read_table(blame, file.get(), bytes_, "nodes"), metadata_.lattice, file_bytes_);
+  rows_ = decode_rows(read_table(blame, file.get(), bytes_, "nodes"), metadata_, file_bytes_);
   check_chunks(blame, file.get(), rows_);
 }
 

@@ -12,23 +12,24 @@ namespace colossus::container {
 
 // A reader refuses a larger major version. A larger minor version only adds fields, attributes and datasets.
 inline constexpr std::uint32_t kSchemaMajor = 1;
-inline constexpr std::uint32_t kSchemaMinor = 0;
+inline constexpr std::uint32_t kSchemaMinor = 1;
 
 inline constexpr const char* kFormatName = "colossus";
 inline constexpr const char* kSchemeDiamonds = "diamonds";
+inline constexpr const char* kSchemeBlocks = "blocks";
 
 inline constexpr std::uint8_t kNodeIsLeaf = 1;  // NodeRow::flags: no node below this one
 inline constexpr std::uint8_t kNodeIsAboveLimit =
-    2;  // NodeRow::flags: a leaf that no bisection could thin out
+    2;  // NodeRow::flags: a leaf that no bisection could thin out; diamonds only
 
 // One node: its place, what is needed to decide whether to read it, and where its bytes lie.
 struct NodeRow {
   std::uint32_t level = 0;
   std::array<std::int32_t, 3> center{};  // lattice coordinates
-  std::uint8_t tetra_mask =
-      0;  // bit p: the tetrahedron at place p of the diamond exists: the input's surface crosses it
+  // Diamonds: bit p: the tetrahedron at place p exists: the input's surface crosses it. Blocks: 1.
+  std::uint8_t tetra_mask = 0;
   std::uint8_t flags = 0;      // kNodeIsLeaf, kNodeIsAboveLimit
-  std::uint32_t vertices = 0;  // sum over the node's tetrahedra
+  std::uint32_t vertices = 0;  // sum over the diamond's tetrahedra, or of the cube
   std::uint32_t triangles = 0;
   double error = 0;                  // world units; never smaller than a child's
   std::array<double, 6> bounds{};    // world: min x, y, z, max x, y, z
@@ -61,6 +62,12 @@ struct NamedCount {
   friend bool operator==(const NamedCount&, const NamedCount&) = default;
 };
 
+struct NamedReal {
+  std::string name;
+  double value = 0;
+  friend bool operator==(const NamedReal&, const NamedReal&) = default;
+};
+
 struct InputInfo {
   std::string name;  // without folders
   std::uint64_t bytes = 0;
@@ -82,11 +89,12 @@ struct Metadata {
   std::uint32_t schema_minor = kSchemaMinor;
   std::string scheme = kSchemeDiamonds;
   LatticeInfo lattice;
-  int position_bits = 12;  // 8 .. 16
+  int position_bits = 12;  // 8 .. 16; of the weights of diamonds, of a side of the deepest cubes of blocks
   bool has_normals = false;
   bool has_colors = false;
-  std::vector<NamedText> options;  // those that shape the bytes, in a fixed order
-  std::vector<InputInfo> inputs;   // in the order of reading
+  std::vector<NamedText> options;     // those that shape the bytes, in a fixed order
+  std::vector<NamedReal> parameters;  // of the scheme, such as sigma0 of blocks; in a fixed order
+  std::vector<InputInfo> inputs;      // in the order of reading
   std::vector<NamedCount>
       counts;  // of the input: vertices, triangles, degenerate, duplicate, border edges ...
   std::vector<LevelColumn> levels;

@@ -12,9 +12,7 @@ core::Hash128 edge_hash(const ScaledPosition& a, const ScaledPosition& b) {
   return core::hash128(std::as_bytes(std::span(ends)));
 }
 
-FlatTriangle flat_triangle(const WeldedTetrahedron& welded, const mesh::Triangle& t) {
-  std::array<ScaledPosition, 3> corners{welded.positions[t[0]], welded.positions[t[1]],
-                                        welded.positions[t[2]]};
+FlatTriangle flat_triangle(std::array<ScaledPosition, 3> corners) {
   FlatTriangle flat;
   for (std::size_t k = 0; k < 3; ++k) flat.edges[k] = edge_hash(corners[k], corners[(k + 1) % 3]);
   flat.direction = 1;
@@ -50,13 +48,14 @@ void count(EdgeCounts& counts, std::uint32_t uses) {
 
 }  // namespace
 
-TetrahedronCensus take_census(const WeldedTetrahedron& welded) {
-  TetrahedronCensus census;
+PartCensus take_census(std::span<const ScaledPosition> positions, std::span<const std::uint8_t> shared_bits,
+                       std::span<const mesh::Triangle> triangles) {
+  PartCensus census;
   std::vector<std::uint64_t> keys;
-  keys.reserve(welded.triangles.size() * 3);
-  for (const mesh::Triangle& t : welded.triangles) {
-    if ((welded.common_zeros(t[0], t[1]) & welded.zero_weights[t[2]]) != 0) {
-      census.flat.push_back(flat_triangle(welded, t));
+  keys.reserve(triangles.size() * 3);
+  for (const mesh::Triangle& t : triangles) {
+    if ((shared_bits[t[0]] & shared_bits[t[1]] & shared_bits[t[2]]) != 0) {
+      census.flat.push_back(flat_triangle({positions[t[0]], positions[t[1]], positions[t[2]]}));
       continue;
     }
     ++census.inside.triangles;
@@ -73,8 +72,8 @@ TetrahedronCensus take_census(const WeldedTetrahedron& welded) {
     const auto a = static_cast<std::uint32_t>(keys[i] >> 32);
     const auto b = static_cast<std::uint32_t>(keys[i]);
     const auto uses = static_cast<std::uint32_t>(end - i);
-    if (welded.common_zeros(a, b) != 0)
-      census.shared.push_back({edge_hash(welded.positions[a], welded.positions[b]), uses});
+    if ((shared_bits[a] & shared_bits[b]) != 0)
+      census.shared.push_back({edge_hash(positions[a], positions[b]), uses});
     else
       count(census.inside, uses);
     i = end;
@@ -82,7 +81,7 @@ TetrahedronCensus take_census(const WeldedTetrahedron& welded) {
   return census;
 }
 
-void LevelCensus::Part::append(TetrahedronCensus&& census) {
+void LevelCensus::Part::append(PartCensus&& census) {
   inside.triangles += census.inside.triangles;
   inside.border_edges += census.inside.border_edges;
   inside.nonmanifold_edges += census.inside.nonmanifold_edges;
@@ -90,7 +89,7 @@ void LevelCensus::Part::append(TetrahedronCensus&& census) {
   flat.insert(flat.end(), census.flat.begin(), census.flat.end());
 }
 
-void LevelCensus::add(TetrahedronCensus&& census, bool is_leaf) {
+void LevelCensus::add(PartCensus&& census, bool is_leaf) {
   (is_leaf ? leaves_ : split_).append(std::move(census));
 }
 

@@ -7,11 +7,13 @@
 // non-manifold when more than two do.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "codec/node_mesh.hpp"
 #include "core/hash.hpp"
-#include "reader/welded.hpp"
 
 namespace colossus::reader {
 
@@ -33,20 +35,24 @@ struct EdgeCounts {
   std::uint64_t nonmanifold_edges = 0;
 };
 
-// What one tetrahedron contributes.
-struct TetrahedronCensus {
+// What one tetrahedron, or one cube, contributes.
+struct PartCensus {
   EdgeCounts inside;
   std::vector<EdgeUses> shared;
   std::vector<FlatTriangle> flat;
 };
 
-TetrahedronCensus take_census(const WeldedTetrahedron& welded);
+// Of welded positions, and triangles without two equal ones or opposite pairs. An edge may be used elsewhere
+// when its ends have a bit of `shared_bits` in common, a triangle when all its corners have; anything else is
+// counted here.
+PartCensus take_census(std::span<const codec::ScaledPosition> positions,
+                       std::span<const std::uint8_t> shared_bits, std::span<const mesh::Triangle> triangles);
 
 // Sums up the uniform cuts, coarsest first. Memory: the edges within faces of one level and of the leaves
 // above it.
 class LevelCensus {
  public:
-  void add(TetrahedronCensus&& census, bool is_leaf);
+  void add(PartCensus&& census, bool is_leaf);
   // The counts of the cut at this level; the next additions belong to the next level.
   EdgeCounts finish_level();
 
@@ -55,7 +61,7 @@ class LevelCensus {
     EdgeCounts inside;
     std::vector<EdgeUses> shared;
     std::vector<FlatTriangle> flat;
-    void append(TetrahedronCensus&& census);
+    void append(PartCensus&& census);
   };
   Part leaves_;  // of this level and above
   Part split_;   // of this level

@@ -1,7 +1,10 @@
 #include "reader/cut.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <queue>
+
+#include "core/error.hpp"
 
 namespace colossus::reader {
 namespace {
@@ -53,6 +56,35 @@ struct LargestErrorFirst {
   }
 };
 
+// From the root on, every row in the cut for which wants_split(row) is split, with what must be split before.
+template <typename WantsSplit>
+Cut refined_cut(const Statue& statue, WantsSplit wants_split) {
+  Cut cut = root_cut(statue);
+  std::vector<RowIndex> pending;
+  for (RowIndex row = 0; row < statue.rows().size() && statue.rows()[row].level == 0; ++row)
+    pending.push_back(row);
+  std::vector<RowIndex> steps;
+  while (!pending.empty()) {
+    const RowIndex row = pending.back();
+    pending.pop_back();
+    if (!cut.has_row(statue, row) || !wants_split(row)) continue;
+    steps.clear();
+    collect_closure(statue, cut, row, steps);
+    for (const RowIndex step : steps) {
+      cut.is_split[step] = true;
+      for_each_child(statue, step, [&](TetrahedronRef child) { pending.push_back(child.row); });
+    }
+  }
+  return cut;
+}
+
+double distance_to_bounds(const std::array<double, 3>& p, const std::array<double, 6>& bounds) {
+  double distance = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    distance = std::max({distance, bounds[axis] - p[axis], p[axis] - bounds[axis + 3]});
+  return distance;
+}
+
 }  // namespace
 
 std::uint8_t Cut::active_places(const Statue& statue, RowIndex row) const {
@@ -72,22 +104,7 @@ Cut cut_at_level(const Statue& statue, std::uint32_t level) {
 }
 
 Cut cut_with_error(const Statue& statue, double error) {
-  Cut cut = root_cut(statue);
-  std::vector<RowIndex> pending;
-  for (RowIndex row = 0; row < statue.rows().size() && statue.rows()[row].level == 0; ++row)
-    pending.push_back(row);
-  std::vector<RowIndex> steps;
-  while (!pending.empty()) {
-    const RowIndex row = pending.back();
-    pending.pop_back();
-    if (!cut.has_row(statue, row) || !(statue.rows()[row].error > error)) continue;
-    steps.clear();
-    collect_closure(statue, cut, row, steps);
-    for (const RowIndex step : steps) {
-      cut.is_split[step] = true;
-      for_each_child(statue, step, [&](TetrahedronRef child) { pending.push_back(child.row); });
-    }
-  }
+  Cut cut = refined_cut(statue, [&](RowIndex row) { return statue.rows()[row].error > error; });
   std::size_t above = 0;
   RowIndex worst = kNoRow;
   for (RowIndex row = 0; row < statue.rows().size(); ++row)
@@ -137,6 +154,19 @@ Cut cut_with_triangles(const Statue& statue, std::uint64_t triangles) {
     }
   }
   return cut;
+}
+
+Cut cut_at_eye(const Statue& statue, const Eye& eye) {
+  const double kappa = eye.kappa.value_or(kDefaultKappa);
+  if (!(kappa > 0.0) || !std::isfinite(kappa))
+    core::fail(core::Status::kUsage, "kappa: expected a number above 0, found {}", kappa);
+  const double root_side = statue.lattice().step * geometry::kRootSide;
+  return refined_cut(statue, [&](RowIndex row) {
+    const container::NodeRow& node = statue.rows()[row];
+    // Three levels halve the cubes.
+    const double side = std::ldexp(root_side, -static_cast<int>(node.level / 3));
+    return distance_to_bounds(eye.position, node.bounds) < kappa * side;
+  });
 }
 
 std::uint64_t triangle_count(const Statue& statue, const Cut& cut) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "reader/eye.hpp"
 #include "reader/statue.hpp"
 
 namespace colossus::reader {
@@ -38,6 +39,11 @@ Cut cut_with_error(const Statue& statue, double error);
 // triangles; the root when that has more, with a warning. Triangles are counted as stored, so the extracted
 // cut never has more. Decodes the nodes it meets (Statue::triangle_counts()); throws like Statue::load().
 Cut cut_with_triangles(const Statue& statue, std::uint64_t triangles);
+
+// The view-dependent cut: a diamond in the cut is split while the distance of the eye to its bounds, in the
+// maximum norm, is less than kappa times the side of a cube at its level (root side / 2^(level / 3)). Every
+// kappa above 0 gives a conforming cut; others throw Error(kUsage).
+Cut cut_at_eye(const Statue& statue, const Eye& eye);
 
 // Triangles of a cut, as stored. Throws like Statue::load().
 std::uint64_t triangle_count(const Statue& statue, const Cut& cut);

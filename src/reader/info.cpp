@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "core/error.hpp"
+
 namespace colossus::reader {
 namespace {
 
@@ -29,7 +31,7 @@ struct Summary {
   double quantisation_error = 0.0;
 };
 
-Summary summarize(const Statue& statue) {
+Summary summarize(const StatueFile& statue) {
   Summary summary;
   for (RowIndex index = 0; index < statue.rows().size(); ++index) {
     const container::NodeRow& row = statue.rows()[index];
@@ -109,7 +111,7 @@ bool is_shown(std::string_view name) {
                      [&](const Share& share) { return name == share.part || name == share.whole; });
 }
 
-std::string level_table(const Statue& statue, const Summary& summary) {
+std::string level_table(const StatueFile& statue, const Summary& summary) {
   std::vector<std::vector<std::string>> table{
       {"level", "nodes", "leaves", "triangles", "vertices", "bytes", "bits/vertex", "error"}};
   const container::Metadata& meta = statue.metadata();
@@ -139,7 +141,7 @@ std::string level_table(const Statue& statue, const Summary& summary) {
 
 }  // namespace
 
-std::string info_text(const Statue& statue) {
+std::string info_text(const StatueFile& statue) {
   const container::Metadata& meta = statue.metadata();
   const Summary summary = summarize(statue);
   std::string text = fmt::format("file                {} ({} bytes)\n", statue.container().path().string(),
@@ -150,15 +152,16 @@ std::string info_text(const Statue& statue) {
       fmt::format("lattice             origin {} {} {}, step {} (in the input's units)\n",
                   meta.lattice.origin[0], meta.lattice.origin[1], meta.lattice.origin[2], meta.lattice.step);
   text += fmt::format(
-      "positions           {} bits per weight; a leaf's vertex moves by at most {:.6g}, of which the lattice "
-      "{:.6g}\n",
-      meta.position_bits, summary.quantisation_error, statue.lattice().input_error());
+      "positions           {} {}; a leaf's vertex moves by at most {:.6g}, of which the lattice {:.6g}\n",
+      meta.position_bits, statue.position_bits_meaning(), summary.quantisation_error, statue.lattice_error());
   text += fmt::format("attributes          {}\n", meta.has_normals
                                                       ? meta.has_colors ? "normals, colours" : "normals"
                                                   : meta.has_colors ? "colours"
                                                                     : "none");
   for (const auto& option : meta.options)
     text += fmt::format("option              {} = {}\n", option.name, option.value);
+  for (const auto& parameter : meta.parameters)
+    text += fmt::format("parameter           {} = {}\n", parameter.name, parameter.value);
   for (const auto& input : meta.inputs)
     text += fmt::format("input               {} ({} bytes, {})\n", input.name, input.bytes, input.hash);
   for (const auto& count : meta.counts)
@@ -172,7 +175,7 @@ std::string info_text(const Statue& statue) {
   return text + level_table(statue, summary);
 }
 
-std::string info_json(const Statue& statue) {
+std::string info_json(const StatueFile& statue) {
   using nlohmann::ordered_json;
   const container::Metadata& meta = statue.metadata();
   const Summary summary = summarize(statue);
@@ -183,11 +186,13 @@ std::string info_json(const Statue& statue) {
   json["lattice"] = {
       {"origin", meta.lattice.origin}, {"step", meta.lattice.step}, {"root_bits", meta.lattice.root_bits}};
   json["position_bits"] = meta.position_bits;
-  json["lattice_error"] = statue.lattice().input_error();
+  json["lattice_error"] = statue.lattice_error();
   json["quantisation_error"] = summary.quantisation_error;
   json["attributes"] = {{"normals", meta.has_normals}, {"colors", meta.has_colors}};
   json["options"] = ordered_json::object();
   for (const auto& option : meta.options) json["options"][option.name] = option.value;
+  json["parameters"] = ordered_json::object();
+  for (const auto& parameter : meta.parameters) json["parameters"][parameter.name] = parameter.value;
   json["inputs"] = ordered_json::array();
   for (const auto& input : meta.inputs)
     json["inputs"].push_back({{"name", input.name}, {"bytes", input.bytes}, {"hash", input.hash}});

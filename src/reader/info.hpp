@@ -3,17 +3,17 @@
 
 #include <string>
 
-#include "reader/statue.hpp"
+#include "reader/statue_file.hpp"
 
 namespace colossus::reader {
 
 // Lines and a table per level: from the node table level, nodes, leaves, triangles, vertices, bytes, bits per
 // vertex (8 * stored bytes / vertices) and largest error; then shares made of the stored
 // statistics (target, reached, locked, small angles) and their other columns.
-std::string info_text(const Statue& statue);
+std::string info_text(const StatueFile& statue);
 
 // The same as one JSON object: file, schema, scheme, lattice, position_bits, quantisation_error, attributes,
-// options, inputs, counts, nodes, above_limit, levels.
-std::string info_json(const Statue& statue);
+// options, parameters, inputs, counts, nodes, above_limit, levels.
+std::string info_json(const StatueFile& statue);
 
 }  // namespace colossus::reader

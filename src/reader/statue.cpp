@@ -24,12 +24,12 @@ std::size_t Node::memory_bytes() const {
 }
 
 Statue::Statue(const std::filesystem::path& path, const StatueOptions& options)
-    : container_(path), options_(options) {
+    : Statue(container::ContainerReader(path), options) {}
+
+Statue::Statue(container::ContainerReader container, const StatueOptions& options)
+    : StatueFile(std::move(container), container::kSchemeDiamonds), cache_(options.cache_bytes) {
   const container::Metadata& meta = metadata();
-  const std::string file = path.string();
-  if (meta.scheme != container::kSchemeDiamonds)
-    core::fail(Status::kBadData, "{}: scheme \"{}\" is unknown; this program reads \"{}\"", file, meta.scheme,
-               container::kSchemeDiamonds);
+  const std::string file = this->container().path().string();
   if (meta.lattice.root_bits != geometry::kRootBits)
     core::fail(Status::kBadData, "{}: the root cube has {} bits; this program reads {}", file,
                meta.lattice.root_bits, geometry::kRootBits);
@@ -39,9 +39,6 @@ Statue::Statue(const std::filesystem::path& path, const StatueOptions& options)
   int exponent = 0;
   if (!(meta.lattice.step > 0.0) || std::frexp(meta.lattice.step, &exponent) != 0.5)
     core::fail(Status::kBadData, "{}: the lattice's step {} is no power of two", file, meta.lattice.step);
-  for (const double origin : meta.lattice.origin)
-    if (!std::isfinite(origin)) core::fail(Status::kBadData, "{}: the lattice's origin is not finite", file);
-  if (rows().size() >= kNoRow) core::fail(Status::kBadData, "{}: too many nodes: {}", file, rows().size());
   lattice_.origin = meta.lattice.origin;
   lattice_.step = meta.lattice.step;
   scaled_step_ = std::ldexp(lattice_.step, -meta.position_bits);
@@ -73,17 +70,6 @@ void Statue::check_row(RowIndex index) const {
       fail_node(
           index,
           fmt::format("its mask has place {}, which the diamond does not have inside the root cube", place));
-  if (!std::isfinite(row.error) || row.error < 0) fail_node(index, fmt::format("its error is {}", row.error));
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(row.bounds[axis]) || !std::isfinite(row.bounds[axis + 3]) ||
-        row.bounds[axis] > row.bounds[axis + 3])
-      fail_node(index, fmt::format("its bounds are {} to {} on axis {}", row.bounds[axis],
-                                   row.bounds[axis + 3], axis));
-  if (index > 0) {
-    const NodeRow& before = rows()[index - 1];
-    if (std::tie(before.level, before.center) >= std::tie(row.level, row.center))
-      fail_node(index, "the node table is not in ascending order of level and centre");
-  }
 }
 
 void Statue::link_children(RowIndex row) {
@@ -137,7 +123,7 @@ bool Statue::exists(TetrahedronRef t) const {
 
 Node Statue::load(RowIndex index) const {
   const NodeRow& row = rows()[index];
-  const auto payload = container_.read_payload(index);
+  const auto payload = container().read_payload(index);
   // The container's defects name file and node themselves.
   if (!payload) core::fail(Status::kBadData, "{}", payload.defect().message);
   auto decoded = codec::decode(payload.value());
@@ -171,27 +157,8 @@ Node Statue::load(RowIndex index) const {
 }
 
 std::shared_ptr<const Node> Statue::node(RowIndex row) const {
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto found = cache_.find(row); found != cache_.end()) {
-      uses_.splice(uses_.begin(), uses_, found->second.use);
-      return found->second.node;
-    }
-  }
-  auto loaded = std::make_shared<const Node>(load(row));
-  const std::size_t bytes = loaded->memory_bytes();
-  const std::lock_guard lock(mutex_);
-  if (bytes > options_.cache_bytes || cache_.contains(row)) return loaded;
-  while (cached_bytes_ + bytes > options_.cache_bytes) {
-    const auto oldest = cache_.find(uses_.back());
-    cached_bytes_ -= oldest->second.bytes;
-    cache_.erase(oldest);
-    uses_.pop_back();
-  }
-  uses_.push_front(row);
-  cache_[row] = {loaded, bytes, uses_.begin()};
-  cached_bytes_ += bytes;
-  return loaded;
+  return cache_.get(
+      row, [&] { return load(row); }, [](const Node& node) { return node.memory_bytes(); });
 }
 
 std::array<std::uint32_t, kMaxPlaces> Statue::triangle_counts(RowIndex row) const {
@@ -202,24 +169,15 @@ std::array<std::uint32_t, kMaxPlaces> Statue::triangle_counts(RowIndex row) cons
     return counts;
   }
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(counts_mutex_);
     if (const auto found = counts_.find(row); found != counts_.end()) return found->second;
   }
   const auto decoded = node(row);
   for (const auto& part : decoded->mesh.tetrahedra)
     counts[part.place] = static_cast<std::uint32_t>(part.triangles.size());
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(counts_mutex_);
   counts_.emplace(row, counts);
   return counts;
-}
-
-std::string Statue::name(RowIndex index) const {
-  const NodeRow& row = rows()[index];
-  return fmt::format("level {}, centre {}, {}, {}", row.level, row.center[0], row.center[1], row.center[2]);
-}
-
-void Statue::fail_node(RowIndex row, const std::string& message) const {
-  core::fail(Status::kBadData, "{}: node at {}: {}", container_.path().string(), name(row), message);
 }
 
 }  // namespace colossus::reader

@@ -8,10 +8,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <list>
 #include <memory>
 #include <mutex>
-#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -19,12 +17,11 @@
 #include "container/reader.hpp"
 #include "geometry/lattice.hpp"
 #include "hierarchy/diamond.hpp"
+#include "reader/node_cache.hpp"
+#include "reader/statue_file.hpp"
 
 namespace colossus::reader {
 
-// Index into rows(); kNoRow where there is none.
-using RowIndex = std::uint32_t;
-inline constexpr RowIndex kNoRow = ~RowIndex{0};
 inline constexpr std::size_t kMaxPlaces = 8;
 
 // A tetrahedron by its row and its place in the row's diamond.
@@ -42,26 +39,19 @@ struct Node {
   std::size_t memory_bytes() const;
 };
 
-struct StatueOptions {
-  std::size_t cache_bytes = std::size_t{256}
-                            << 20;  // decoded nodes kept by node(), least recently used go first
-};
-
-class Statue {
+class Statue final : public StatueFile {
  public:
   // Throws Error(kBadData) when the container is damaged, or when a row's centre is no diamond's centre of
   // the row's level, a place of its mask lies outside the root cube, or its error or bounds are not finite.
   // What the rows say about each other is checked by verify() only; everything here is total whatever they
   // say. Memory: some 250 bytes per row. Cost: about 10 microseconds per row. Not collective.
   explicit Statue(const std::filesystem::path& path, const StatueOptions& options = {});
+  explicit Statue(container::ContainerReader container, const StatueOptions& options = {});
 
-  const container::ContainerReader& container() const { return container_; }
-  const container::Metadata& metadata() const { return container_.metadata(); }
-  const std::vector<container::NodeRow>& rows() const { return container_.rows(); }
   const geometry::Lattice& lattice() const { return lattice_; }
-  std::uint32_t deepest_level() const { return rows().empty() ? 0 : rows().back().level; }
+  double lattice_error() const override { return lattice_.input_error(); }
+  std::string_view position_bits_meaning() const override { return "bits per weight"; }
 
-  bool is_leaf(RowIndex row) const { return (rows()[row].flags & container::kNodeIsLeaf) != 0; }
   hierarchy::Point center(RowIndex row) const;
   // The row of the diamond with this centre. log n.
   RowIndex find(const hierarchy::Point& center) const;
@@ -92,9 +82,6 @@ class Statue {
   // Thread-safe.
   std::array<std::uint32_t, kMaxPlaces> triangle_counts(RowIndex row) const;
 
-  // "level 5, centre 1, 2, 3", for messages.
-  std::string name(RowIndex row) const;
-
   // The world position of a decoded one; the only rounding is that of the last addition.
   std::array<double, 3> world(const codec::ScaledPosition& position) const {
     std::array<double, 3> result{};
@@ -107,26 +94,15 @@ class Statue {
  private:
   void check_row(RowIndex row) const;
   void link_children(RowIndex row);
-  [[noreturn]] void fail_node(RowIndex row, const std::string& message) const;
 
-  struct Cached {
-    std::shared_ptr<const Node> node;
-    std::size_t bytes = 0;
-    std::list<RowIndex>::iterator use;
-  };
-
-  container::ContainerReader container_;
-  StatueOptions options_;
   geometry::Lattice lattice_;
   double scaled_step_ = 1.0;
   std::vector<std::array<TetrahedronRef, 2 * kMaxPlaces>> children_;  // per row: 2 * place + end
   std::vector<std::array<TetrahedronRef, kMaxPlaces>> parents_;
   std::vector<std::uint8_t> below_;
 
-  mutable std::mutex mutex_;  // guards what follows
-  mutable std::unordered_map<RowIndex, Cached> cache_;
-  mutable std::list<RowIndex> uses_;  // most recent first
-  mutable std::size_t cached_bytes_ = 0;
+  mutable NodeCache<Node> cache_;
+  mutable std::mutex counts_mutex_;  // guards what follows
   mutable std::unordered_map<RowIndex, std::array<std::uint32_t, kMaxPlaces>> counts_;
 };
 

@@ -10,28 +10,21 @@
 #include "reader/faces.hpp"
 #include "reader/input_samples.hpp"
 #include "reader/parallel.hpp"
+#include "reader/welded.hpp"
 
 namespace colossus::reader {
 namespace {
 
-// A stored error above this many times the sampled distance is loose.
-constexpr double kLooseFactor = 4.0;
 constexpr std::size_t kBatch = 128;  // nodes in flight
 
 struct NodeReport {
   std::vector<Finding> findings;
   NodeBoundary boundary;
-  std::vector<TetrahedronCensus> census;
+  std::vector<PartCensus> census;
   std::uint64_t samples = 0;
   double greatest_distance = 0.0;
   double greatest_either_way = 0.0;  // also from the input to the node
 };
-
-std::optional<std::uint64_t> metadata_count(const Statue& statue, std::string_view name) {
-  for (const container::NamedCount& count : statue.metadata().counts)
-    if (count.name == name) return count.value;
-  return std::nullopt;
-}
 
 // Rows against each other; needs no geometry.
 std::vector<Finding> check_structure(const Statue& statue, RowIndex row) {
@@ -89,15 +82,6 @@ std::optional<std::string> outside_bounds(const Statue& statue, RowIndex row,
   return std::nullopt;
 }
 
-// What double arithmetic may lose in a distance near p.
-double arithmetic_tolerance(const Statue& statue) {
-  double magnitude = 0.0;
-  for (const double origin : statue.lattice().origin)
-    magnitude = std::max(
-        {magnitude, std::abs(origin), std::abs(origin + statue.lattice().step * geometry::kRootSide)});
-  return 4.0 * std::numeric_limits<double>::epsilon() * magnitude;
-}
-
 void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex row, const Node& node,
                   const InputSamples& input_samples, NodeReport& report) {
   std::vector<WorldPoint> points;
@@ -140,18 +124,13 @@ void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex r
     }
     report.samples += input_samples.by_row[row].size() + points.size();
   }
-  const double error = statue.rows()[row].error;
-  if (report.greatest_distance > error * (1.0 + 1e-9) + arithmetic_tolerance(statue))
-    report.findings.push_back(
-        {FindingKind::kDistance,
-         fmt::format("node at {}: {} {} {} is {} from the input, more than the stored error {}",
-                     statue.name(row), farthest[0], farthest[1], farthest[2], report.greatest_distance,
-                     error)});
+  if (auto finding = check_distance(statue, row, farthest, report.greatest_distance))
+    report.findings.push_back(std::move(*finding));
 }
 
 NodeReport check_node(const Statue& statue, const VerifyOptions& options, const InputSamples& input_samples,
                       RowIndex row) {
-  const bool is_closed = metadata_count(statue, "border_edges") == std::uint64_t{0};
+  const bool is_closed = statue.count_of("border_edges") == std::uint64_t{0};
   NodeReport report;
   report.findings = check_structure(statue, row);
   const hierarchy::Diamond diamond = hierarchy::Diamond::at(statue.center(row));
@@ -173,8 +152,10 @@ NodeReport check_node(const Statue& statue, const VerifyOptions& options, const 
              fmt::format(
                  "node at {}: place {} has {} border edges in faces without marks, but the input is closed",
                  statue.name(row), part.place, chains[part.place]->unmarked)});
-      if (statue.exists({row, part.place}))
-        report.census.push_back(take_census(weld_positions(part, tetrahedron)));
+      if (statue.exists({row, part.place})) {
+        const WeldedTetrahedron welded = weld_positions(part, tetrahedron);
+        report.census.push_back(take_census(welded.positions, welded.zero_weights, welded.triangles));
+      }
     }
     if (options.against != nullptr) measure_node(statue, options, row, node, input_samples, report);
   } catch (const core::Error& error) {
@@ -188,20 +169,24 @@ NodeReport check_node(const Statue& statue, const VerifyOptions& options, const 
 
 class Verifier {
  public:
-  Verifier(const Statue& statue, const VerifyOptions& options) : statue_(statue), options_(options) {}
+  Verifier(const Statue& statue, const VerifyOptions& options)
+      : statue_(statue), options_(options), log_(report_, options.examples_per_kind) {}
 
   VerifyReport run() {
     const std::size_t rows = statue_.rows().size();
     report_.nodes = rows;
     if (options_.against != nullptr)
       input_samples_ = sample_input(statue_, options_.against->surface(), options_.seed);
-    if (rows == 0) add({FindingKind::kStructure, "the container has no nodes"});
+    if (rows == 0) log_.add({FindingKind::kStructure, "the container has no nodes"});
     for (std::size_t begin = 0; begin < rows;) {
       // A batch ends with its level, so that the census can be closed.
       const std::uint32_t level = statue_.rows()[begin].level;
       std::size_t end = begin;
       while (end < rows && end - begin < kBatch && statue_.rows()[end].level == level) ++end;
-      if (report_.levels.empty() || report_.levels.back().level != level) start_level(level);
+      if (report_.levels.empty() || report_.levels.back().level != level) {
+        if (!report_.levels.empty()) finish_level();
+        log_.start_level(level);
+      }
       std::vector<NodeReport> batch(end - begin);
       parallel_for(batch.size(), [&](std::size_t i) {
         batch[i] = check_node(statue_, options_, input_samples_, static_cast<RowIndex>(begin + i));
@@ -212,35 +197,13 @@ class Verifier {
     }
     if (!report_.levels.empty()) finish_level();
     finish_boundaries();
-    finish_census();
+    log_.check_census(statue_);
     finish_distances();
-    std::stable_sort(report_.findings.begin(), report_.findings.end(),
-                     [](const Finding& a, const Finding& b) { return a.kind < b.kind; });
+    log_.sort();
     return std::move(report_);
   }
 
  private:
-  void add(Finding finding) { add_many(finding.kind, 1, {std::move(finding.message)}); }
-
-  void add_many(FindingKind kind, std::uint64_t count, std::vector<std::string> messages) {
-    std::uint64_t& so_far = report_.counts[static_cast<std::size_t>(kind)];
-    for (std::size_t i = 0; i < messages.size() && so_far + i < options_.examples_per_kind; ++i)
-      report_.findings.push_back({kind, std::move(messages[i])});
-    so_far += count;
-  }
-
-  void start_level(std::uint32_t level) {
-    if (!report_.levels.empty()) {
-      finish_level();
-      if (report_.levels.back().level + 1 != level)
-        add({FindingKind::kStructure,
-             fmt::format("no nodes between levels {} and {}", report_.levels.back().level, level)});
-    } else if (level != 0) {
-      add({FindingKind::kStructure, fmt::format("the coarsest level is {}; the root is missing", level)});
-    }
-    report_.levels.push_back({level, 0, 0, 0, 0});
-  }
-
   void finish_level() {
     const EdgeCounts counts = census_.finish_level();
     LevelReport& level = report_.levels.back();
@@ -251,10 +214,10 @@ class Verifier {
 
   void merge(RowIndex row, NodeReport&& node) {
     ++report_.levels.back().nodes;
-    for (Finding& finding : node.findings) add(std::move(finding));
+    for (Finding& finding : node.findings) log_.add(std::move(finding));
     faces_.insert(faces_.end(), node.boundary.faces.begin(), node.boundary.faces.end());
     std::move(node.boundary.edges.begin(), node.boundary.edges.end(), std::back_inserter(edges_));
-    for (TetrahedronCensus& census : node.census) census_.add(std::move(census), statue_.is_leaf(row));
+    for (PartCensus& census : node.census) census_.add(std::move(census), statue_.is_leaf(row));
     if (node.samples == 0) return;
     report_.samples += node.samples;
     const double error = statue_.rows()[row].error;
@@ -268,28 +231,10 @@ class Verifier {
     BoundaryReport faces = check_faces(statue_, faces_, options_.examples_per_kind);
     report_.faces = faces.faces;
     report_.nonempty_faces = faces.nonempty_faces;
-    add_many(FindingKind::kFace, faces.mismatches, std::move(faces.examples));
+    log_.add_many(FindingKind::kFace, faces.mismatches, std::move(faces.examples));
     BoundaryReport edges = check_edges(statue_, edges_, options_.examples_per_kind);
     report_.edges = edges.faces;
-    add_many(FindingKind::kEdge, edges.mismatches, std::move(edges.examples));
-  }
-
-  void finish_census() {
-    if (report_.levels.empty()) return;
-    const LevelReport& finest = report_.levels.back();
-    check_census(FindingKind::kBorder, "border", &LevelReport::border_edges,
-                 metadata_count(statue_, "border_edges"), finest.border_edges);
-    check_census(FindingKind::kNonManifold, "non-manifold", &LevelReport::nonmanifold_edges,
-                 metadata_count(statue_, "nonmanifold_edges"), finest.nonmanifold_edges);
-  }
-
-  void check_census(FindingKind kind, const char* word, std::uint64_t LevelReport::*member,
-                    std::optional<std::uint64_t> of_input, std::uint64_t of_finest) {
-    if (of_input.value_or(of_finest) != 0) return;
-    for (const LevelReport& level : report_.levels)
-      if (level.*member != 0)
-        add({kind, fmt::format("the cut of level {} has {} {} edges, {} none", level.level, level.*member,
-                               word, of_input ? "the input" : "the finest cut")});
+    log_.add_many(FindingKind::kEdge, edges.mismatches, std::move(edges.examples));
   }
 
   // A node's error is at least that of the nodes below, so it is judged with their distances too.
@@ -303,10 +248,7 @@ class Verifier {
       if (error > std::max(kLooseFactor * sampled_[row], kLooseFactor * weight_unit(row)))
         ++report_.loose_nodes;
     }
-    if (report_.loose_nodes * 10 > report_.measured_nodes)
-      add({FindingKind::kLooseError,
-           fmt::format("{} of {} nodes store an error of more than four times the sampled distance",
-                       report_.loose_nodes, report_.measured_nodes)});
+    log_.check_looseness();
   }
 
   // How far one unit of weight moves a vertex of this node at most: on a flat input nothing else is left of
@@ -322,6 +264,7 @@ class Verifier {
   std::vector<double> sampled_;  // per row, the greatest distance either way
   const VerifyOptions& options_;
   VerifyReport report_;
+  FindingLog log_;
   std::vector<FaceEntry> faces_;
   std::vector<EdgeEntry> edges_;
   LevelCensus census_;
@@ -329,45 +272,8 @@ class Verifier {
 
 }  // namespace
 
-std::string_view name_of(FindingKind kind) {
-  static constexpr std::array<std::string_view, kFindingKinds> kNames{
-      "damage",       "structure", "bounds",       "face",     "edge",
-      "error growth", "border",    "non-manifold", "distance", "loose error"};
-  return kNames[static_cast<std::size_t>(kind)];
-}
-
-std::uint64_t VerifyReport::total() const {
-  std::uint64_t sum = 0;
-  for (const std::uint64_t n : counts) sum += n;
-  return sum;
-}
-
 VerifyReport verify(const Statue& statue, const VerifyOptions& options) {
   return Verifier(statue, options).run();
-}
-
-std::string to_text(const VerifyReport& report) {
-  std::string text = fmt::format("{:>5} {:>9} {:>13} {:>12} {:>12}\n", "level", "nodes", "triangles",
-                                 "border", "non-manifold");
-  for (const LevelReport& level : report.levels)
-    text += fmt::format("{:>5} {:>9} {:>13} {:>12} {:>12}\n", level.level, level.nodes, level.triangles,
-                        level.border_edges, level.nonmanifold_edges);
-  text += fmt::format(
-      "checked: {} nodes, {} faces of the hierarchy ({} crossed by the surface), {} edges of it\n",
-      report.nodes, report.faces, report.nonempty_faces, report.edges);
-  if (report.samples > 0)
-    text += fmt::format(
-        "measured: {} samples, greatest distance / stored error {:.3f}, {} of {} errors above four times "
-        "it\n",
-        report.samples, report.greatest_ratio, report.loose_nodes, report.measured_nodes);
-  for (const Finding& finding : report.findings)
-    text += fmt::format("{}: {}\n", name_of(finding.kind), finding.message);
-  for (std::size_t kind = 0; kind < kFindingKinds; ++kind)
-    if (report.counts[kind] > 0)
-      text += fmt::format("found: {} of kind \"{}\"\n", report.counts[kind],
-                          name_of(static_cast<FindingKind>(kind)));
-  text += report.is_ok() ? "nothing found\n" : fmt::format("{} findings\n", report.total());
-  return text;
 }
 
 }  // namespace colossus::reader

@@ -1,21 +1,24 @@
 #include "simplify/collapse.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "core/error.hpp"
+#include "geometry/attribute_quadric.hpp"
 #include "geometry/quadric.hpp"
 #include "mesh/adjacency.hpp"
+#include "simplify/candidates.hpp"
 #include "simplify/deviation.hpp"
+#include "simplify/merged_box.hpp"
 #include "simplify/vertex_class.hpp"
 
 namespace colossus::simplify {
 namespace {
 
 using geometry::Point;
-using geometry::Quadric;
 using geometry::Vec3;
 using mesh::Triangle;
 
@@ -29,13 +32,11 @@ constexpr double kLeastTurnCosine = 0.2;
 constexpr double kFlatness = 1e-3;
 // A pass accepts costs up to this factor over that of the last collapse that it would need.
 constexpr float kPassCostFactor = 1.5F;
+constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
 
-struct Candidate {
-  float cost;
-  std::uint32_t from;
-  std::uint32_t to;
-};
-
+// Measures the error of a collapse with geometry::Quadric, in space, or with geometry::AttributeQuadric, in
+// space and colour, which has half-edge collapses only.
+template <typename Quadric>
 class Collapser {
  public:
   Collapser(Region& region, std::size_t target) : region_(region), target_(target) {}
@@ -64,6 +65,8 @@ class Collapser {
   }
 
  private:
+  static constexpr bool kHasColors = std::is_same_v<Quadric, geometry::AttributeQuadric>;
+
   std::vector<Triangle>& triangles() { return region_.mesh.triangles; }
   FaceMask faces(std::uint32_t v) const { return region_.faces[v]; }
 
@@ -81,8 +84,31 @@ class Collapser {
       positions_[v] = geometry::to_vec3(region_.mesh.vertices[v].position) - origin;
       representative_[v] = v;
     }
+    if (region_.reach != kNoLimit)
+      for (const mesh::Vertex& vertex : region_.mesh.vertices)
+        merged_.push_back({vertex.position, vertex.position});
+    if constexpr (kHasColors) color_unit_ = region_.color_weight * mean_side() / 255.0;
     stamps_.assign(count, 0);
     live_count_ = triangles().size();
+  }
+
+  double mean_side() {
+    double sum = 0.0;
+    for (const Triangle& t : triangles())
+      for (std::size_t k = 0; k < 3; ++k)
+        sum += geometry::length(positions_[t[(k + 1) % 3]] - positions_[t[k]]);
+    return triangles().empty() ? 0.0 : sum / (3.0 * static_cast<double>(triangles().size()));
+  }
+
+  // Where v lies in the space in which errors are measured.
+  auto place_of(std::uint32_t v) const {
+    if constexpr (kHasColors) {
+      const mesh::Color& color = region_.mesh.vertices[v].color;
+      return geometry::AttributePoint(
+          positions_[v], color_unit_ * Vec3{double(color[0]), double(color[1]), double(color[2])});
+    } else {
+      return positions_[v];
+    }
   }
 
   // Collapses half of what is still wanted, if all of the cheapest candidates were legal; looks at `breadth`
@@ -96,42 +122,30 @@ class Collapser {
     if (candidates_.empty()) return true;
     const std::size_t rank = breadth * (live_count_ - target_) / 2;
     const bool is_all = rank >= candidates_.size();
-    if (!is_all) keep_cheapest(rank);
-    sort_by_cost();
-    for (const Candidate& candidate : candidates_) {
-      if (live_count_ <= target_) break;
+    if (!is_all) drop_costly(candidates_, rank, kPassCostFactor);
+    sort_by_cost(candidates_, sorted_);
+    cost_limit_ = is_all ? std::numeric_limits<double>::infinity() : double{candidates_.back().cost};
+    for (std::size_t i = 0; i < candidates_.size() && live_count_ > target_; ++i) {
+      fetch_ahead(i);
+      const Candidate candidate = candidates_[i];
       if (is_touched_[candidate.from] || is_touched_[candidate.to]) continue;
       collapse(candidate.from, candidate.to);
     }
     return is_all;
   }
 
-  // Drops the candidates that cost much more than the one at `rank`.
-  void keep_cheapest(std::size_t rank) {
-    costs_.clear();
-    for (const Candidate& candidate : candidates_) costs_.push_back(candidate.cost);
-    std::nth_element(costs_.begin(), costs_.begin() + static_cast<std::ptrdiff_t>(rank), costs_.end());
-    const float limit = kPassCostFactor * costs_[rank];
-    std::erase_if(candidates_, [&](const Candidate& candidate) { return candidate.cost > limit; });
-  }
-
-  // Radix sort, stable, so that equal costs stay in the order of the triangles. Costs are not negative: their
-  // bits are in order.
-  void sort_by_cost() {
-    constexpr int kDigitBits = 11;
-    constexpr std::uint32_t kDigits = 1U << kDigitBits;
-    sorted_.resize(candidates_.size());
-    for (int shift = 0; shift < 32; shift += kDigitBits) {
-      std::array<std::uint32_t, kDigits> starts{};
-      const auto digit = [&](const Candidate& c) {
-        return std::bit_cast<std::uint32_t>(c.cost) >> shift & (kDigits - 1);
-      };
-      for (const Candidate& candidate : candidates_) ++starts[digit(candidate)];
-      std::uint32_t sum = 0;
-      for (auto& start : starts) sum += std::exchange(start, sum);
-      for (const Candidate& candidate : candidates_) sorted_[starts[digit(candidate)]++] = candidate;
-      candidates_.swap(sorted_);
-    }
+  // Candidates by cost are all over the mesh: what the next ones need is asked for in time. Inlined, since
+  // g++ takes a function of prefetches for one without effect.
+  [[gnu::always_inline]] void fetch_ahead(std::size_t i) const {
+    constexpr std::size_t kListsAhead = 12;
+    constexpr std::size_t kTrianglesAhead = 6;
+    if (i + kListsAhead >= candidates_.size()) return;
+    const Candidate& far = candidates_[i + kListsAhead];
+    __builtin_prefetch(adjacency_.around(far.from).data());
+    __builtin_prefetch(adjacency_.around(far.to).data());
+    const Candidate& near = candidates_[i + kTrianglesAhead];
+    for (const auto t : adjacency_.around(near.from)) __builtin_prefetch(&region_.mesh.triangles[t]);
+    for (const auto t : adjacency_.around(near.to)) __builtin_prefetch(&region_.mesh.triangles[t]);
   }
 
   void compute_quadrics() {
@@ -142,7 +156,10 @@ class Collapser {
       const double doubled_area = geometry::length(n);
       if (!(doubled_area > 0.0)) continue;
       Quadric q;
-      q.add_plane((1.0 / doubled_area) * n, positions_[t[0]], doubled_area);
+      if constexpr (kHasColors)
+        q.add_triangle(place_of(t[0]), place_of(t[1]), place_of(t[2]), doubled_area);
+      else
+        q.add_plane((1.0 / doubled_area) * n, positions_[t[0]], doubled_area);
       for (const auto v : t) quadrics_[v].add(q);
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = t[k];
@@ -179,25 +196,40 @@ class Collapser {
   }
 
   void add_candidate(std::uint32_t a, std::uint32_t b) {
-    if (classes_[a] == VertexClass::kFree && classes_[b] == VertexClass::kFree) {
-      const Vec3 best = optimum(a, b);
-      candidates_.push_back({static_cast<float>(quadrics_[a].at(best) + quadrics_[b].at(best)), a, b});
-      return;
-    }
+    if constexpr (!kHasColors)
+      if (is_placed(a, b)) {
+        const Vec3 best = optimum(a, b);
+        candidates_.push_back({static_cast<float>(quadrics_[a].at(best) + quadrics_[b].at(best)), a, b});
+        return;
+      }
     const bool forth = may_move(a, b);
     const bool back = may_move(b, a);
     if (!forth && !back) return;
-    const double cost_forth = forth ? quadrics_[a].at(positions_[b]) + quadrics_[b].at(positions_[b]) : 0.0;
-    const double cost_back = back ? quadrics_[b].at(positions_[a]) + quadrics_[a].at(positions_[a]) : 0.0;
+    const double cost_forth = forth ? cost_of(a, b) : 0.0;
+    const double cost_back = back ? cost_of(b, a) : 0.0;
     if (forth && (!back || cost_forth <= cost_back))
       candidates_.push_back({static_cast<float>(cost_forth), a, b});
     else
       candidates_.push_back({static_cast<float>(cost_back), b, a});
   }
 
-  // The classes alone: whether a may be moved onto its neighbour b.
+  // Of moving a onto b.
+  double cost_of(std::uint32_t a, std::uint32_t b) const {
+    const auto place = place_of(b);
+    return quadrics_[a].at(place) + quadrics_[b].at(place);
+  }
+
+  // Whether a collapse of a and b looks for a new place.
+  bool is_placed(std::uint32_t a, std::uint32_t b) const {
+    return region_.may_place && classes_[a] == VertexClass::kFree && classes_[b] == VertexClass::kFree;
+  }
+
+  // The classes and the reach alone, which no other collapse of the pass changes: whether a may be moved onto
+  // its neighbour b.
   bool may_move(std::uint32_t a, std::uint32_t b) const {
     if (classes_[a] == VertexClass::kLocked || (faces(a) & ~faces(b)) != 0) return false;
+    if (!merged_.empty() && !merged_[a].is_within(region_.reach, region_.mesh.vertices[b].position))
+      return false;
     return classes_[a] != VertexClass::kBorder || (may_be_border(b) && is_border_edge(a, b));
   }
 
@@ -213,30 +245,50 @@ class Collapser {
   }
 
   void collapse(std::uint32_t a, std::uint32_t b) {
-    if (classes_[a] == VertexClass::kFree && classes_[b] == VertexClass::kFree) {
-      if (!is_link_legal(a, b)) return;
-      const Vec3 best = optimum(a, b);
-      const Vec3 world = best + origin_;
-      const Point rounded{static_cast<std::int32_t>(std::floor(world.x + 0.5)),
-                          static_cast<std::int32_t>(std::floor(world.y + 0.5)),
-                          static_cast<std::int32_t>(std::floor(world.z + 0.5))};
-      if (is_strictly_inside_cell(rounded, shared_cell_)) {
-        const Vec3 target = geometry::to_vec3(rounded) - origin_;
-        if (keeps_orientation(a, b, target) && keeps_orientation(b, a, target)) {
-          place_between(a, b, rounded, target);
-          apply(a, b);
-          return;
-        }
+    if constexpr (!kHasColors)
+      if (is_placed(a, b)) {
+        if (is_link_legal(a, b)) place(a, b);
+        return;
       }
-      // No room for the optimum: the cheaper end will do.
-      if (quadrics_[a].at(positions_[b]) > quadrics_[b].at(positions_[a])) std::swap(a, b);
-      if (keeps_orientation(a, b, positions_[b])) apply(a, b);
-      return;
+    if (!is_link_legal(a, b)) return;
+    if (is_end_legal(a, b))
+      apply(a, b);
+    else if (!region_.may_place && may_move(b, a) && is_cheap(b, a) && is_end_legal(b, a))
+      apply(b, a);
+  }
+
+  // Whether the pass may make the dearer collapse of an edge. With colours the two ends can differ by orders
+  // of magnitude: on a painted plane all is free but to pull a vertex out of an edge between two colours.
+  bool is_cheap(std::uint32_t a, std::uint32_t b) const {
+    if constexpr (kHasColors) return cost_of(a, b) <= cost_limit_;
+    return true;
+  }
+
+  // Moves both to their optimum, if that keeps what is_link_legal() leaves open.
+  void place(std::uint32_t a, std::uint32_t b) {
+    const Vec3 best = optimum(a, b);
+    const Vec3 world = best + origin_;
+    const Point rounded{static_cast<std::int32_t>(std::floor(world.x + 0.5)),
+                        static_cast<std::int32_t>(std::floor(world.y + 0.5)),
+                        static_cast<std::int32_t>(std::floor(world.z + 0.5))};
+    if (is_strictly_inside_cell(rounded, shared_cell_)) {
+      const Vec3 target = geometry::to_vec3(rounded) - origin_;
+      if (keeps_orientation(a, b, target) && keeps_orientation(b, a, target)) {
+        place_between(a, b, rounded, target);
+        apply(a, b);
+        return;
+      }
     }
-    if (!is_link_legal(a, b) || !respects_faces(a, b) || !keeps_orientation(a, b, positions_[b])) return;
+    // No room for the optimum: the cheaper end will do.
+    if (quadrics_[a].at(positions_[b]) > quadrics_[b].at(positions_[a])) std::swap(a, b);
+    if (keeps_orientation(a, b, positions_[b])) apply(a, b);
+  }
+
+  // What is_link_legal() leaves open, that the collapse of a into b keeps faces and orientation.
+  bool is_end_legal(std::uint32_t a, std::uint32_t b) {
+    if (!respects_faces(a, b) || !keeps_orientation(a, b, positions_[b])) return false;
     // A border collapse takes a triangle away: an edge of the face polyline may not become the border by it.
-    if (border_apex_ != kNone && (faces(b) & faces(border_apex_)) != 0) return;
-    apply(a, b);
+    return border_apex_ == kNone || (faces(b) & faces(border_apex_)) == 0;
   }
 
   // Link condition on live connectivity; also finds the cell of a triangle at the edge, and the apex of a
@@ -364,6 +416,7 @@ class Collapser {
     }
     is_touched_[a] = is_touched_[b] = true;
     representative_[a] = b;
+    if (!merged_.empty()) merged_[b].add(merged_[a]);
   }
 
   void compact_triangles() {
@@ -384,6 +437,8 @@ class Collapser {
     std::vector<bool> is_used(count, false);
     for (const Triangle& t : triangles())
       for (const auto v : t) is_used[v] = true;
+    if (!region_.may_place)
+      for (std::uint32_t v = 0; v < count; ++v) is_used[v] = is_used[v] || representative_[v] == v;
     std::vector<std::uint32_t> renumbered(count, kNone);
     std::uint32_t kept = 0;
     for (std::uint32_t v = 0; v < count; ++v)
@@ -396,17 +451,17 @@ class Collapser {
     region_.faces.resize(kept);
     for (Triangle& t : triangles())
       for (auto& v : t) v = renumbered[v];
-    std::vector<std::uint32_t> final_representative(count);
+    outcome.representative.resize(count);
     for (std::uint32_t v = 0; v < count; ++v) {
       std::uint32_t root = v;
       while (representative_[root] != root)
         root = representative_[root] = representative_[representative_[root]];
-      final_representative[v] = renumbered[root];
+      outcome.representative[v] = renumbered[root];
     }
     const bool has_border =
         std::find(classes_.begin(), classes_.end(), VertexClass::kBorder) != classes_.end();
-    const Deviation deviation = measure_deviation(before_, region_.mesh, region_.cells, final_representative,
-                                                  has_border, region_.samples);
+    const Deviation deviation = measure_deviation(before_, region_.mesh, region_.cells,
+                                                  outcome.representative, has_border, region_.samples);
     outcome.deviation = deviation.estimate();
   }
 
@@ -438,7 +493,7 @@ class Collapser {
   Vec3 normal_of(const Triangle& t) const {
     return geometry::cross(positions_[t[1]] - positions_[t[0]], positions_[t[2]] - positions_[t[0]]);
   }
-  bool is_strictly_inside_cell(const Point& p, std::uint8_t cell) const {
+  bool is_strictly_inside_cell(const Point& p, std::uint16_t cell) const {
     for (const geometry::Plane& plane : region_.cell_planes[cell])
       if (plane.side(p) <= 0) return false;
     return true;
@@ -452,15 +507,17 @@ class Collapser {
   mesh::Adjacency adjacency_;
   std::vector<VertexClass> classes_;
   std::vector<Vec3> positions_;
+  double color_unit_ = 0.0;  // lattice units per step of a colour
   std::vector<Quadric> quadrics_;
   std::vector<Candidate> candidates_;
+  double cost_limit_ = 0.0;  // of the pass
   std::vector<Candidate> sorted_;
-  std::vector<float> costs_;
   std::vector<std::uint32_t> representative_;
+  std::vector<MergedBox> merged_;  // per vertex; empty without a reach
   std::vector<std::uint32_t> stamps_;
   std::vector<bool> is_touched_;
   std::uint32_t stamp_ = 0;
-  std::uint8_t shared_cell_ = 0;
+  std::uint16_t shared_cell_ = 0;
   std::uint32_t border_apex_ = kNone;
 };
 
@@ -469,7 +526,11 @@ class Collapser {
 Outcome simplify(Region& region, std::size_t target_triangles) {
   COLOSSUS_CHECK(region.faces.size() == region.mesh.vertices.size());
   COLOSSUS_CHECK(region.cells.size() == region.mesh.triangles.size());
-  return Collapser(region, target_triangles).run();
+  COLOSSUS_CHECK(!region.may_place || region.reach == kNoLimit, "a reach is for half-edge collapses only");
+  COLOSSUS_CHECK(region.color_weight == 0.0 || (region.color_weight > 0.0 && !region.may_place),
+                 "colours count in half-edge collapses only");
+  if (region.color_weight > 0.0) return Collapser<geometry::AttributeQuadric>(region, target_triangles).run();
+  return Collapser<geometry::Quadric>(region, target_triangles).run();
 }
 
 }  // namespace colossus::simplify

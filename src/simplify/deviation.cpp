@@ -30,9 +30,11 @@ class WalkableSurface {
     stamps_.assign(mesh.vertices.size(), 0);
   }
 
-  // The nearest of the triangles around v, if nearer than what is known.
-  void look_around(const Vec3& p, std::uint32_t v, Nearest& nearest) const {
+  // The nearest of the triangles around v, if nearer than what is known. Content with one within
+  // `squared_enough`.
+  void look_around(const Vec3& p, std::uint32_t v, Nearest& nearest, double squared_enough = -1.0) const {
     for (const auto i : adjacency_.around(v)) {
+      if (nearest.squared <= squared_enough) return;
       const mesh::Triangle& t = mesh_.triangles[i];
       const auto found = geometry::distance_to_triangle(p, at(t[0]), at(t[1]), at(t[2]), nearest.squared);
       if (found.squared < nearest.squared) nearest = {found.squared, i, found.is_inside};
@@ -41,28 +43,36 @@ class WalkableSurface {
 
   // From v on to wherever it gets nearer, until p projects into a triangle. A local minimum: an upper bound
   // of the distance.
-  Nearest walk(const Vec3& p, std::uint32_t v) {
+  Nearest walk(const Vec3& p, std::uint32_t v, double squared_enough = -1.0) {
     const std::uint32_t visited = ++stamp_;
     Nearest nearest;
     stamps_[v] = visited;
-    look_around(p, v, nearest);
-    for (std::uint32_t from = kNone; nearest.triangle != from && !nearest.is_inside;) {
+    look_around(p, v, nearest, squared_enough);
+    for (std::uint32_t from = kNone;
+         nearest.triangle != from && !nearest.is_inside && nearest.squared > squared_enough;) {
       from = nearest.triangle;
       for (const auto corner : mesh_.triangles[from]) {
         if (stamps_[corner] == visited) continue;
         stamps_[corner] = visited;
-        look_around(p, corner, nearest);
+        look_around(p, corner, nearest, squared_enough);
       }
     }
     return nearest;
   }
 
-  // The nearest of all triangles. Linear.
-  void look_everywhere(const Vec3& p, Nearest& nearest) const {
-    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      const mesh::Triangle& t = mesh_.triangles[i];
-      const auto found = geometry::distance_to_triangle(p, at(t[0]), at(t[1]), at(t[2]), nearest.squared);
-      if (found.squared < nearest.squared) nearest = {found.squared, i, found.is_inside};
+  // The nearest of all triangles, if nearer than what is known; the first of several. Linear, but most
+  // triangles are passed over by the box of their chunk.
+  void look_everywhere(const Vec3& p, Nearest& nearest) {
+    if (chunks_.empty()) build_chunks();
+    for (std::size_t c = 0; c < chunks_.size(); ++c) {
+      if (chunks_[c].squared_distance(p) > nearest.squared) continue;
+      const std::size_t end = std::min((c + 1) * kChunkTriangles, mesh_.triangles.size());
+      for (std::size_t i = c * kChunkTriangles; i < end; ++i) {
+        const mesh::Triangle& t = mesh_.triangles[i];
+        const auto found = geometry::distance_to_triangle(p, at(t[0]), at(t[1]), at(t[2]), nearest.squared);
+        if (found.squared < nearest.squared)
+          nearest = {found.squared, static_cast<std::uint32_t>(i), found.is_inside};
+      }
     }
   }
 
@@ -75,24 +85,70 @@ class WalkableSurface {
   }
 
  private:
+  // Neighbours in the list are mostly neighbours in space.
+  static constexpr std::size_t kChunkTriangles = 32;
+  struct Chunk {
+    Vec3 low{kFar, kFar, kFar};
+    Vec3 high{-kFar, -kFar, -kFar};
+
+    void add(const Vec3& p) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    // What rounding may take off a triangle's distance.
+    void widen() {
+      const Vec3 margin = 1e-6 * (high - low);
+      low = low - margin;
+      high = high + margin;
+    }
+    double squared_distance(const Vec3& p) const {
+      const auto beyond = [](double at, double from, double to) {
+        return std::max({from - at, at - to, 0.0});
+      };
+      return geometry::squared_length(
+          {beyond(p.x, low.x, high.x), beyond(p.y, low.y, high.y), beyond(p.z, low.z, high.z)});
+    }
+  };
+
+  void build_chunks() {
+    chunks_.resize((mesh_.triangles.size() + kChunkTriangles - 1) / kChunkTriangles);
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+      for (const auto v : mesh_.triangles[i]) chunks_[i / kChunkTriangles].add(at(v));
+    for (Chunk& chunk : chunks_) chunk.widen();
+  }
+
   Vec3 at(std::uint32_t v) const { return geometry::to_vec3(mesh_.vertices[v].position); }
 
   const mesh::Mesh& mesh_;
   mesh::Adjacency adjacency_;
   std::vector<std::uint32_t> stamps_;
   std::uint32_t stamp_ = 0;
+  std::vector<Chunk> chunks_;  // made when first needed
 };
 
 void attach(SurfaceSample& sample, const Nearest& nearest, const WalkableSurface& surface,
-            std::span<const std::uint8_t> cells) {
+            std::span<const std::uint16_t> cells) {
   sample.distance = static_cast<float>(std::sqrt(nearest.squared));
   sample.anchor = surface.nearest_corner(geometry::to_vec3(sample.position), nearest.triangle);
   sample.cell = cells[nearest.triangle];
 }
 
+// Where nothing is left of the surface but vertices. Returns the greatest distance.
+double measure_to_representatives(const mesh::Mesh& after, std::span<const std::uint32_t> representative,
+                                  std::vector<SurfaceSample>& samples) {
+  double farthest = 0.0;
+  for (SurfaceSample& sample : samples) {
+    sample.anchor = representative[sample.anchor];
+    const Vec3 to = geometry::to_vec3(after.vertices[sample.anchor].position);
+    sample.distance = static_cast<float>(geometry::length(to - geometry::to_vec3(sample.position)));
+    farthest = std::max(farthest, static_cast<double>(sample.distance));
+  }
+  return farthest;
+}
+
 // A walk does not find another sheet that is nearer. Only the farthest samples matter: they are measured
 // against all triangles until one of them stays the farthest. Returns its distance.
-double correct_farthest(const WalkableSurface& surface, std::span<const std::uint8_t> cells,
+double correct_farthest(WalkableSurface& surface, std::span<const std::uint16_t> cells,
                         std::vector<SurfaceSample>& samples) {
   constexpr int kMostCorrections = 100;
   struct Entry {
@@ -109,9 +165,13 @@ double correct_farthest(const WalkableSurface& surface, std::span<const std::uin
   for (int round = 0; round < kMostCorrections && !heap.empty() && !heap.front().is_exact; ++round) {
     std::pop_heap(heap.begin(), heap.end(), is_nearer);
     SurfaceSample& sample = samples[heap.back().sample];
+    // A little more than what the walk found, so that it is found again.
     Nearest nearest;
+    nearest.squared =
+        (1.0 + 1e-6) * static_cast<double>(sample.distance) * static_cast<double>(sample.distance) +
+        std::numeric_limits<double>::min();
     surface.look_everywhere(geometry::to_vec3(sample.position), nearest);
-    attach(sample, nearest, surface, cells);
+    if (nearest.triangle != kNone) attach(sample, nearest, surface, cells);
     heap.back() = {sample.distance, heap.back().sample, true};
     std::push_heap(heap.begin(), heap.end(), is_nearer);
   }
@@ -121,7 +181,7 @@ double correct_farthest(const WalkableSurface& surface, std::span<const std::uin
 }  // namespace
 
 Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
-                            std::span<const std::uint8_t> cells,
+                            std::span<const std::uint16_t> cells,
                             std::span<const std::uint32_t> representative, bool has_border,
                             std::vector<SurfaceSample>& samples) {
   Deviation deviation;
@@ -130,10 +190,16 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
   for (const SurfaceSample& sample : samples)
     earlier[sample.anchor] = std::max(earlier[sample.anchor], sample.distance);
 
+  if (after.triangles.empty()) {
+    deviation.of_samples = measure_to_representatives(after, representative, samples);
+    return deviation;
+  }
   WalkableSurface surface_after(after);
   for (SurfaceSample& sample : samples) {
     const Vec3 p = geometry::to_vec3(sample.position);
-    const Nearest nearest = surface_after.walk(p, representative[sample.anchor]);
+    Nearest nearest = surface_after.walk(p, representative[sample.anchor]);
+    // No triangle is left around this vertex.
+    if (nearest.triangle == kNone) surface_after.look_everywhere(p, nearest);
     attach(sample, nearest, surface_after, cells);
   }
   deviation.of_samples = correct_farthest(surface_after, cells, samples);
@@ -146,8 +212,12 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
   for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
     const std::uint32_t r = representative[v];
     carried[r] = std::max(carried[r], earlier[v]);
-    origin[r] = v;
-    if (before.vertices[v].position == after.vertices[r].position) placed[r].squared = 0.0;
+    const bool is_still_there = before.vertices[v].position == after.vertices[r].position;
+    if (is_still_there) placed[r].squared = 0.0;
+    if (is_still_there || placed[r].squared > 0.0) origin[r] = v;
+  }
+  for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
+    const std::uint32_t r = representative[v];
     if (placed[r].squared > 0.0)
       surface_before.look_around(geometry::to_vec3(after.vertices[r].position), v, placed[r]);
   }
@@ -161,15 +231,17 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
     const Vec3 p = from + at * (geometry::to_vec3(after.vertices[b].position) - from);
     const double before_it = static_cast<double>(std::max(carried[a], carried[b]));
     const double known = deviation.greatest() - before_it;
+    const double squared_enough = known > 0.0 ? known * known : -1.0;
     Nearest nearest;
     for (const auto end : {a, b}) {
-      surface_before.look_around(p, origin[end], nearest);
-      if (known > 0.0 && nearest.squared <= known * known) return;
+      surface_before.look_around(p, origin[end], nearest, squared_enough);
+      if (nearest.squared <= squared_enough) return;
     }
-    for (const auto end : {a, b})
-      if (const Nearest found = surface_before.walk(p, origin[end]); found.squared < nearest.squared)
-        nearest = found;
-    if (known > 0.0 && nearest.squared <= known * known) return;
+    for (const auto end : {a, b}) {
+      const Nearest found = surface_before.walk(p, origin[end], squared_enough);
+      if (found.squared < nearest.squared) nearest = found;
+      if (nearest.squared <= squared_enough) return;
+    }
     surface_before.look_everywhere(p, nearest);
     deviation.of_surface = std::max(deviation.of_surface, std::sqrt(nearest.squared) + before_it);
   };

@@ -28,9 +28,11 @@ struct Deviation {
 // `before` is the mesh that was simplified to `after`; `representative[v]` is the vertex of `after` into
 // which v of `before` has collapsed. Moves the samples' anchors from `before` to `after` and updates their
 // distances and cells. `cells` are after's. With `has_border` border edges are measured at three
-// places: the surface may have grown beyond the input there. About a quarter of a microsecond per sample.
+// places: the surface may have grown beyond the input there. Vertices without triangles are no part of a
+// surface; where `after` has no triangle left, samples are measured to their anchors' representatives, and
+// keep their cells. About a quarter of a microsecond per sample.
 Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
-                            std::span<const std::uint8_t> cells,
+                            std::span<const std::uint16_t> cells,
                             std::span<const std::uint32_t> representative, bool has_border,
                             std::vector<SurfaceSample>& samples);
 

@@ -1,9 +1,10 @@
-// What one task simplifies: the welded mesh of a node, cut into cells by faces that its vertices may not
-// leave.
+// What one task simplifies: the welded mesh of a node. Diamonds are cut into cells by faces that vertices may
+// not leave; blocks are not cut, and their vertices stay where some vertex was.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "geometry/plane.hpp"
@@ -24,11 +25,20 @@ struct SurfaceSample {
 
 struct Region {
   mesh::Mesh mesh;
-  std::vector<FaceMask> faces;      // per vertex
-  std::vector<std::uint8_t> cells;  // per triangle: the convex cell that holds it
+  std::vector<FaceMask> faces;  // per vertex
+  std::vector<std::uint16_t>
+      cells;  // per triangle: the convex cell that holds it; or the caller's own number
   std::vector<SurfaceSample> samples;
   FaceMask outer_faces = 0;                                 // faces shared with others: vertices on them stay
-  std::vector<std::array<geometry::Plane, 4>> cell_planes;  // per cell, positive inside
+  std::vector<std::array<geometry::Plane, 4>> cell_planes;  // per cell, positive inside; for placing only
+  // False: half-edge collapses only. What remains of two vertices is one of them, attributes and all.
+  bool may_place = true;
+  // With half-edge collapses only: the greatest distance between a vertex before and the one that it has
+  // become, in the maximum norm, lattice units.
+  std::int64_t reach = std::numeric_limits<std::int64_t>::max();
+  // With half-edge collapses only: how many mean edge lengths of the region the greatest difference of a
+  // colour channel counts in the error of a collapse. Alpha does not count.
+  double color_weight = 0.0;
 };
 
 // Triangles by their smallest angle; integer counts, so that sums over nodes do not depend on their order.

@@ -21,6 +21,8 @@ using namespace colossus;
 // 4 * 64 * 64 = 16,384 triangles, two full leaf tetrahedra; and a whole diamond of eight.
 constexpr std::int64_t kFewRings = 64;
 constexpr std::int64_t kManyRings = 128;
+// 200,704 triangles: a block.
+constexpr std::int64_t kBlockRings = 224;
 constexpr std::size_t kErrorSamples = 20'000;
 
 void count_triangles(benchmark::State& state, const mesh::Mesh& mesh) {
@@ -71,21 +73,50 @@ void simplify_to_half(benchmark::State& state) {
 }
 BENCHMARK(simplify_to_half)->Arg(kFewRings)->Arg(kManyRings)->Unit(benchmark::kMillisecond);
 
+// As a block is simplified, by half-edge collapses; and beside it with vertices placed.
+void simplify_to_quarter(benchmark::State& state) {
+  const mesh::Mesh mesh = bench::torus(static_cast<std::uint32_t>(state.range(0)));
+  simplify::Region input = bench::region_of(mesh, mesh.triangles.size() / 4);
+  input.may_place = state.range(1) != 0;
+  simplify::Region region;
+  simplify::Outcome outcome;
+  for (auto _ : state) {
+    state.PauseTiming();
+    region = input;
+    state.ResumeTiming();
+    outcome = simplify::simplify(region, mesh.triangles.size() / 4);
+  }
+  count_triangles(state, mesh);
+  count_error(state, mesh, in_doubles(region.mesh));
+  state.counters["passes"] = outcome.passes;
+  state.counters["deviation"] = outcome.deviation / mean_edge(in_doubles(mesh));
+}
+BENCHMARK(simplify_to_quarter)
+    ->ArgNames({"rings", "may_place"})
+    ->Args({kBlockRings, 0})
+    ->Args({kBlockRings, 1})
+    ->Unit(benchmark::kMillisecond);
+
 template <typename Reference>
-void reference_to_half(benchmark::State& state) {
+void run_reference(benchmark::State& state, std::size_t divisor) {
   const mesh::Mesh mesh = bench::torus(static_cast<std::uint32_t>(state.range(0)));
   bench::Simplified result;
   for (auto _ : state) {
     state.PauseTiming();
     Reference reference(mesh);
     state.ResumeTiming();
-    reference.run(mesh.triangles.size() / 2);
+    reference.run(mesh.triangles.size() / divisor);
     state.PauseTiming();
     result = reference.result();
     state.ResumeTiming();
   }
   count_triangles(state, mesh);
   count_error(state, mesh, result);
+}
+
+template <typename Reference>
+void reference_to_half(benchmark::State& state) {
+  run_reference<Reference>(state, 2);
 }
 BENCHMARK(reference_to_half<bench::OpenMeshDecimation>)
     ->Arg(kFewRings)
@@ -94,6 +125,15 @@ BENCHMARK(reference_to_half<bench::OpenMeshDecimation>)
 BENCHMARK(reference_to_half<bench::MeshoptSimplification>)
     ->Arg(kFewRings)
     ->Arg(kManyRings)
+    ->Unit(benchmark::kMillisecond);
+
+template <typename Reference>
+void reference_to_quarter(benchmark::State& state) {
+  run_reference<Reference>(state, 4);
+}
+BENCHMARK(reference_to_quarter<bench::OpenMeshDecimation>)->Arg(kBlockRings)->Unit(benchmark::kMillisecond);
+BENCHMARK(reference_to_quarter<bench::MeshoptSimplification>)
+    ->Arg(kBlockRings)
     ->Unit(benchmark::kMillisecond);
 
 void split(benchmark::State& state) {

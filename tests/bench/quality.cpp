@@ -7,11 +7,13 @@
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <cstdio>
+#include <variant>
 
 #include "input/load.hpp"
-#include "reader/cut.hpp"
+#include "reader/cube_extract.hpp"
 #include "reader/distance.hpp"
 #include "reader/extract.hpp"
+#include "reader/open.hpp"
 
 namespace {
 
@@ -54,8 +56,8 @@ double reference_rms(const input::LoadedMesh& input, std::size_t triangles) {
   return worse_rms(reader::surface_distances({points, kept}, {input.positions, input.triangles}, kSamples));
 }
 
-void run(const std::string& container, const std::string& file) {
-  const reader::Statue statue(container);
+template <typename Statue>
+void compare(const Statue& statue, const std::string& file) {
   const input::LoadedMesh input = input::load_mesh(std::span(&file, 1));
   const reader::Surface surface{input.positions, input.triangles};
   // A level that still contains leaves is finer in parts than it is in others.
@@ -64,7 +66,7 @@ void run(const std::string& container, const std::string& file) {
     if (statue.is_leaf(row)) coarsest_leaf = std::min(coarsest_leaf, statue.rows()[row].level);
   fmt::print("level  triangles  rms           OpenMesh rms  ratio\n");
   for (std::uint32_t level = statue.deepest_level(); level + 1 > 0; --level) {
-    const reader::CutMesh cut = reader::assemble(statue, reader::cut_at_level(statue, level));
+    const reader::CutMesh cut = assemble(statue, cut_at_level(statue, level));
     const double ours =
         worse_rms(reader::surface_distances({cut.positions, cut.triangles}, surface, kSamples));
     const double theirs =
@@ -83,6 +85,11 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: quality CONTAINER INPUT\n");
     return 2;
   }
-  run(argv[1], argv[2]);
+  try {
+    std::visit([&](const auto& statue) { compare(*statue, argv[2]); }, reader::open(argv[1]));
+  } catch (const core::Error& error) {
+    fmt::print(stderr, "quality: {}\n", error.what());
+    return static_cast<int>(error.status());
+  }
   return 0;
 }

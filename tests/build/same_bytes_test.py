@@ -37,6 +37,15 @@ class SameBytes(program.ColossusTest):
         again = self.build("other.h5", statue, options=LEAVES, ranks=2, program=other)
         self.assertTrue(filecmp.cmp(reference, again, shallow=False), f"{other} makes other bytes than {program.PROGRAM}")
 
+    def test_for_blocks(self):
+        statue = self.statue()
+        options = ("--scheme", "blocks", *LEAVES)
+        reference = self.assert_same_bytes([statue], options)
+        other = os.environ.get("COLOSSUS_OTHER_PROGRAM", "")
+        if os.access(other, os.X_OK):
+            again = self.build("other.h5", statue, options=options, ranks=2, program=other)
+            self.assertTrue(filecmp.cmp(reference, again, shallow=False), f"{other} makes other bytes than {program.PROGRAM}")
+
     def test_for_shuffled_input(self):
         self.assert_same_bytes([self.statue("--shuffle", "--normals")], ranks=(3,))
 

@@ -104,11 +104,35 @@ TEST(Container, HoldsEmptyListsAndNoColumns) {
   const Folder folder;
   Sample sample = make_sample(2);
   sample.metadata.options.clear();
+  sample.metadata.parameters.clear();
   sample.metadata.inputs.clear();
   sample.metadata.counts.clear();
   sample.metadata.levels.clear();
   write_sample(sample, folder / "a.h5");
   EXPECT_EQ(ContainerReader(folder / "a.h5").metadata(), sample.metadata);
+}
+
+TEST(Container, HasNoTableOfParametersWithoutParameters) {
+  const Folder folder;
+  Sample sample = make_sample(2);
+  for (const bool has_parameters : {true, false}) {
+    if (!has_parameters) sample.metadata.parameters.clear();
+    write_sample(sample, folder / "a.h5");
+    const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    EXPECT_EQ(H5Lexists(file, "parameters", H5P_DEFAULT) > 0, has_parameters);
+    H5Fclose(file);
+  }
+}
+
+TEST(Container, ReadsBackAContainerOfBlocks) {
+  const Folder folder;
+  const Sample sample = test::make_blocks_sample();
+  write_sample(sample, folder / "a.h5");
+  const ContainerReader reader(folder / "a.h5");
+  EXPECT_EQ(reader.metadata(), sample.metadata);
+  ASSERT_EQ(reader.rows().size(), sample.rows.size());
+  for (std::size_t i = 0; i < sample.rows.size(); ++i)
+    EXPECT_EQ(reader.rows()[i].center, sample.rows[i].center);
 }
 
 TEST(Container, DecodesThroughHdf5sOwnFilterPipeline) {

@@ -63,6 +63,7 @@ inline Sample make_sample(std::size_t node_count) {
   m.has_normals = true;
   m.has_colors = true;
   m.options = {{"leaf_triangles", "8000"}, {"empty", ""}, {"tolerance", "0.001"}};
+  m.parameters = {{"sigma0", 0.1}, {"a parameter", -4}};
   m.inputs = {{"scan 1.ply", 123456789012, "00112233445566778899aabbccddeeff"},
               {"b\xc3\xa4r.obj", 7, "ffeeddccbbaa99887766554433221100"}};
   m.counts = {{"triangles", 10}, {"degenerate", 0}, {"border edges", 1ULL << 40}};
@@ -86,6 +87,24 @@ inline Sample make_sample(std::size_t node_count) {
     row.payload_bytes = chunk.payload_bytes;
     row.checksum = chunk.checksum;
     sample.rows.push_back(row);
+  }
+  return sample;
+}
+
+// The root cube of a lattice of 2^14, and its eight children of sides of 2^13.
+inline Sample make_blocks_sample() {
+  Sample sample = make_sample(9);
+  sample.metadata.scheme = kSchemeBlocks;
+  sample.metadata.lattice.root_bits = 14;
+  sample.metadata.position_bits = 13;
+  for (std::size_t i = 0; i < 9; ++i) {
+    NodeRow& row = sample.rows[i];
+    row.level = i == 0 ? 0 : 1;
+    row.flags = i == 0 ? std::uint8_t{0} : kNodeIsLeaf;
+    row.tetra_mask = 1;
+    const auto along = [&](std::size_t bit) { return (i - 1) >> bit & 1 ? 3 << 12 : 1 << 12; };
+    row.center = {1 << 13, 1 << 13, 1 << 13};
+    if (i > 0) row.center = {along(2), along(1), along(0)};
   }
   return sample;
 }

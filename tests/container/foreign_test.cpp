@@ -112,6 +112,56 @@ TEST_F(Foreign, RefusesANewerMajorVersionAndReadsANewerMinorOne) {
   EXPECT_EQ(ContainerReader(path_).metadata().schema_minor, 7u);
 }
 
+// As programs wrote it before there were parameters.
+TEST_F(Foreign, ReadsSchemaVersion10) {
+  edit_file(path_, [&](hid_t file) {
+    const std::uint32_t version[2] = {1, 0};
+    const hid_t attribute = H5Aopen(file, "schema_version", H5P_DEFAULT);
+    ASSERT_GE(H5Awrite(attribute, H5T_STD_U32LE, version), 0);
+    H5Aclose(attribute);
+    ASSERT_GE(H5Ldelete(file, "parameters", H5P_DEFAULT), 0);
+  });
+  Metadata expected = make_sample(100).metadata;
+  expected.schema_minor = 0;
+  expected.parameters.clear();
+  EXPECT_EQ(ContainerReader(path_).metadata(), expected);
+}
+
+// The writer reads what it wrote before it gives the file its name.
+TEST_F(Foreign, RefusesAParameterThatIsNoNumber) {
+  test::Sample sample = make_sample(3);
+  sample.metadata.parameters[1].value = std::numeric_limits<double>::quiet_NaN();
+  const auto caught = catch_error([&] { write_sample(sample, path_); });
+  EXPECT_EQ(caught.status, Status::kBadData);
+  EXPECT_TRUE(caught.says("/parameters: row 1: a parameter: expected a finite number, found nan"))
+      << caught.message;
+}
+
+TEST_F(Foreign, RefusesAnUnknownScheme) {
+  edit_file(path_, [&](hid_t file) {
+    const hid_t attribute = H5Aopen(file, "scheme", H5P_DEFAULT);
+    const hid_t type = H5Aget_type(attribute);
+    ASSERT_GE(H5Awrite(attribute, type, "diamants"), 0);
+    H5Tclose(type);
+    H5Aclose(attribute);
+  });
+  expect_refused(path_, {"scheme", "'diamonds' or 'blocks'", "'diamants'"});
+}
+
+TEST_F(Foreign, RefusesCubesThatCannotBe) {
+  const auto refuse = [&](std::size_t at, auto value, const std::string& expected) {
+    write_sample(test::make_blocks_sample(), path_);
+    edit_row(path_, 8, at, value);
+    expect_refused(path_, {"/nodes: row 8", expected, "found"});
+  };
+  refuse(kLevelAt, std::uint32_t{2}, "a level of at most 1");
+  refuse(kLevelAt, ~std::uint32_t{0}, "a level of at most 1");
+  refuse(kCenterAt + 8, std::int32_t{(3 << 12) + 1}, "a centre of a cube with sides of 8192");
+  refuse(kCenterAt, std::int32_t{5 << 12}, "a centre of a cube");
+  refuse(kCenterAt + 4, std::int32_t{-(1 << 12)}, "a centre of a cube");
+  refuse(kMaskAt, std::uint8_t{3}, "a mask of 1");
+}
+
 TEST_F(Foreign, RefusesMissingParts) {
   for (const std::string name : {"nodes", "options", "inputs", "counts", "lattice", "chunks"}) {
     write_sample(make_sample(100), path_);

@@ -123,7 +123,7 @@ class Program(unittest.TestCase):
     def test_lists_levels_and_nodes(self):
         result = run(self.path)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("schema 1.0, 2 nodes", result.stdout)
+        self.assertIn("schema 1.1, scheme diamonds, 2 nodes", result.stdout)
         result = run(self.path, "--nodes")
         self.assertIn("level  1 centre (512, 512, 0) triangles 6 vertices 12", result.stdout)
 
@@ -187,6 +187,53 @@ class Program(unittest.TestCase):
             pass
         self.assertIn("no Colossus container", run(os.path.join(self.folder.name, "b.h5")).stderr)
         self.assertEqual(run(os.path.join(self.folder.name, "missing.h5")).returncode, 65)
+
+
+class Blocks(unittest.TestCase):
+    """The root cube of side 2^9 and its child at the origin, laid out by hand in sample_container.cpp."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = os.path.join(self.folder.name, "a.h5")
+        self.ply = os.path.join(self.folder.name, "out.ply")
+        subprocess.run([SAMPLE, self.path, "blocks"], check=True)
+
+    def test_lists_scheme_and_parameters(self):
+        result = run(self.path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("scheme blocks, 2 nodes", result.stdout)
+        self.assertIn("parameter sigma0 = 0.25", result.stdout)
+        self.assertIn("parameter block_size = 4", result.stdout)
+
+    def test_decodes_a_level(self):
+        # The root has two vertices and no triangle, the child a fourth vertex that no triangle uses.
+        for level, lattice, triangles in ((0, [], []),
+                                          (1, [(5, 20, 300), (10, 21, 0), (261, 20, 0)], [(0, 1, 2), (2, 1, 0)])):
+            result = run(self.path, "--level", str(level), "-o", self.ply)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            vertices, faces = read_ply(self.ply)
+            self.assertEqual([v[:3] for v in vertices],
+                             [tuple(o + 0.25 * p for o, p in zip((10, -20, 0.5), point)) for point in lattice])
+            self.assertEqual([f[1:] for f in faces], triangles)
+            if level == 1:
+                self.assertEqual([v[6:] for v in vertices], [(v, 10 + v, 20 + v, 30 + v) for v in range(3)])
+
+    def test_parents_are_vertices_of_the_parent_cube(self):
+        container = rc.Container(self.path)
+        root, child = (rc.decode_cube_payload(container.payload(i)) for i in range(2))
+        self.assertIsNone(root["parents"])
+        self.assertEqual(child["parents"].tolist(), [0, 1, 1, 0])
+        self.assertEqual(root["positions"][child["parents"]].tolist(),
+                         [[5, 20, 300], [261, 20, 0], [261, 20, 0], [5, 20, 300]])
+        self.assertEqual((child["used"], len(child["positions"])), (3, 4))
+
+    def test_truncation_at_every_length_is_refused(self):
+        payload = rc.Container(self.path).payload(1)
+        rc.decode_cube_payload(payload)
+        for size in range(len(payload)):
+            with self.assertRaises(rc.BadContainer):
+                rc.decode_cube_payload(payload[:size])
 
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ void read_file(std::span<const std::byte> bytes) {
   }
 }
 
-void read_rows(std::span<const std::byte> bytes) {
+void read_rows(std::span<const std::byte> bytes, const std::string& scheme) {
   container::Table table;
   table.place = "rows";
   table.fields = container::node_fields();
@@ -54,7 +54,10 @@ void read_rows(std::span<const std::byte> bytes) {
   table.row_count = bytes.size() / table.row_bytes;
   table.rows.assign(bytes.begin(),
                     bytes.begin() + static_cast<std::ptrdiff_t>(table.row_count * table.row_bytes));
-  const auto rows = container::decode_rows(table, {{0, 0, 0}, 1, 20}, std::uint64_t{1} << 32);
+  container::Metadata metadata;
+  metadata.scheme = scheme;
+  metadata.lattice = {{0, 0, 0}, 1, 20};
+  const auto rows = container::decode_rows(table, metadata, std::uint64_t{1} << 32);
   if (container::encode_rows(rows) != table.rows) std::abort();
   static_cast<void>(container::chunk_counts(rows));
 }
@@ -75,7 +78,8 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));
-  expect_bad_data_at_most([&] { read_rows(bytes); });
+  for (const char* scheme : {container::kSchemeDiamonds, container::kSchemeBlocks})
+    expect_bad_data_at_most([&] { read_rows(bytes, scheme); });
   expect_bad_data_at_most([&] { read_file(bytes); });
   return 0;
 }

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <random>
 
+#include "core/error.hpp"
 #include "reader/statue_fixture.hpp"
 
 namespace colossus::reader {
@@ -160,6 +162,40 @@ TEST(Cut, TriangleCutIsAPrefixOfTheRefinementOrder) {
   const Cut too_few = cut_with_triangles(*statue, root - 1);
   EXPECT_NE(too_few.warning, "");
   EXPECT_EQ(too_few.is_split, std::vector<bool>(statue->rows().size(), false));
+}
+
+TEST(Cut, EyeCutRefinesWhatIsNearAndIsClosed) {
+  StatueFixture fixture(torus(40, 24), 50);
+  const auto statue = fixture.open();
+  const auto& bounds = statue->rows()[0].bounds;
+  std::mt19937 random(5);
+  const auto within = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const double root_side = statue->lattice().step * geometry::kRootSide;
+  for (int i = 0; i < 20; ++i) {
+    const WorldPoint eye{within(bounds[0], bounds[3]), within(bounds[1], bounds[4]),
+                         within(bounds[2], bounds[5])};
+    const double kappa = 0.1 + 0.1 * i;
+    const Cut cut = cut_at_eye(*statue, {eye, kappa});
+    ASSERT_TRUE(is_closed_under_parents(*statue, cut));
+    for (RowIndex row = 0; row < statue->rows().size(); ++row) {
+      if (cut.active_places(*statue, row) == 0 || statue->is_leaf(row)) continue;
+      const auto& box = statue->rows()[row].bounds;
+      double distance = 0.0;
+      for (std::size_t k = 0; k < 3; ++k)
+        distance = std::max({distance, box[k] - eye[k], eye[k] - box[k + 3]});
+      EXPECT_GE(distance, kappa * root_side / std::pow(2.0, statue->rows()[row].level / 3))
+          << statue->name(row);
+    }
+    EXPECT_EQ(census_of(assemble(*statue, cut)).border_edges, 0U);
+    EXPECT_LE(triangle_count(*statue, cut), triangle_count(*statue, cut_at_eye(*statue, {eye, kappa + 0.5})));
+  }
+  const WorldPoint far{1e9, 0, 0};
+  EXPECT_EQ(cut_at_eye(*statue, {far, std::nullopt}).is_split,
+            std::vector<bool>(statue->rows().size(), false));
+  for (const double kappa : {0.0, -1.0, std::nan("")})
+    EXPECT_THROW(cut_at_eye(*statue, {far, kappa}), core::Error);
 }
 
 }  // namespace

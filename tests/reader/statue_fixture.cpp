@@ -322,19 +322,24 @@ void reorder(codec::QuantizedTetrahedron& part) {
 
 Census census_of(const CutMesh& mesh) {
   Census census;
-  std::map<WorldPoint, std::uint32_t> points;
+  std::vector<WorldPoint> points = mesh.positions;
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  census.repeated_points = mesh.positions.size() - points.size();
   std::vector<std::uint32_t> welded;
-  for (const WorldPoint& p : mesh.positions) {
-    const auto [found, is_new] = points.try_emplace(p, static_cast<std::uint32_t>(points.size()));
-    if (!is_new) ++census.repeated_points;
-    welded.push_back(found->second);
-  }
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+  for (const WorldPoint& p : mesh.positions)
+    welded.push_back(
+        static_cast<std::uint32_t>(std::lower_bound(points.begin(), points.end(), p) - points.begin()));
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const auto& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) ++uses[std::minmax(welded[t[k]], welded[t[(k + 1) % 3]])];
-  for (const auto& [edge, count] : uses) {
-    census.border_edges += count == 1 ? 1 : 0;
-    census.nonmanifold_edges += count > 2 ? 1 : 0;
+    for (std::size_t k = 0; k < 3; ++k) edges.push_back(std::minmax(welded[t[k]], welded[t[(k + 1) % 3]]));
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i;
+    while (end < edges.size() && edges[end] == edges[i]) ++end;
+    census.border_edges += end - i == 1 ? 1 : 0;
+    census.nonmanifold_edges += end - i > 2 ? 1 : 0;
+    i = end;
   }
   return census;
 }

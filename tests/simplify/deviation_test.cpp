@@ -71,7 +71,7 @@ Mesh pyramid(std::int32_t height) {
 }
 
 TEST(Deviation, AddsTheDistanceOfAPlacedVertexToWhatTheSamplesThereSaid) {
-  const std::vector<std::uint8_t> cells(4, 0);
+  const std::vector<std::uint16_t> cells(4, 0);
   const std::vector<std::uint32_t> same{0, 1, 2, 3, 4};
   std::vector<SurfaceSample> samples{{{400, 400, 30}, 4, 30.0F, 0}, {{0, 0, 0}, 0, 0.0F, 0}};
   const Deviation deviation = measure_deviation(pyramid(0), pyramid(100), cells, same, false, samples);
@@ -96,7 +96,7 @@ TEST(Deviation, MeasuresABorderThatHasGrownOverANotch) {
   before.triangles = {{0, 4, 3}, {4, 2, 3}, {4, 1, 2}};
   after.vertices.pop_back();
   after.triangles = {{0, 2, 3}, {0, 1, 2}};
-  const std::vector<std::uint8_t> cells(2, 0);
+  const std::vector<std::uint16_t> cells(2, 0);
   const std::vector<std::uint32_t> collapsed{0, 1, 2, 3, 0};
   std::vector<SurfaceSample> samples{{{400, 300, 7}, 4, 7.0F, 0}};
   // The middle of the new edge is 400 * 3 / 5 from the notch's sides.
@@ -111,7 +111,7 @@ TEST(Deviation, FindsASheetThatNoWalkReaches) {
   Mesh upper = pyramid(0);
   for (mesh::Vertex& vertex : upper.vertices) vertex.position.z = 900;
   append(sheets, upper);
-  const std::vector<std::uint8_t> cells{0, 0, 0, 0, 1, 1, 1, 1};
+  const std::vector<std::uint16_t> cells{0, 0, 0, 0, 1, 1, 1, 1};
   std::vector<std::uint32_t> same(sheets.vertices.size());
   std::iota(same.begin(), same.end(), 0U);
   std::vector<SurfaceSample> samples{{{700, 60, 1000}, 4, 0.0F, 0}};
@@ -120,6 +120,30 @@ TEST(Deviation, FindsASheetThatNoWalkReaches) {
   EXPECT_EQ(samples[0].distance, 100.0F);
   EXPECT_EQ(samples[0].anchor, 6U);  // the nearest corner
   EXPECT_EQ(samples[0].cell, 1U);
+}
+
+TEST(Deviation, IsExactForTheFarthestSampleWhereverItIsAnchored) {
+  Mesh sheets;
+  for (const std::int32_t shift : {0, -kMiddle / 2, kMiddle / 3}) {
+    Mesh sheet = wavy_grid(20);
+    for (mesh::Vertex& vertex : sheet.vertices) vertex.position.z += shift;
+    append(sheets, sheet);
+  }
+  const BruteForce surface(sheets);
+  const std::vector<std::uint16_t> cells(sheets.triangles.size(), 0);
+  std::vector<std::uint32_t> same(sheets.vertices.size());
+  std::iota(same.begin(), same.end(), 0U);
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
+    const auto coordinate = [&] { return static_cast<std::int32_t>(random() % geometry::kRootSide); };
+    const Point p{coordinate(), coordinate(), coordinate()};
+    std::vector<SurfaceSample> samples{
+        {p, static_cast<std::uint32_t>(random() % sheets.vertices.size()), 0.0F, 0}};
+    const double truth = surface.distance(geometry::to_vec3(p));
+    EXPECT_NEAR(measure_deviation(sheets, sheets, cells, same, true, samples).of_samples, truth,
+                1e-6 * truth);
+  }
 }
 
 TEST(Deviation, ThinningOutKeepsTheFarthestInWhateverOrder) {

@@ -71,7 +71,7 @@ TEST(Simplify, PlacesNoVertexOnOrBeyondAFaceThatTheSurfaceDoesNotMeet) {
 
 // Otherwise the two sides of a face would not fit together when they are simplified apart.
 void expect_polylines_on_faces(const Region& region) {
-  std::map<std::array<std::uint32_t, 2>, std::set<std::uint8_t>> cells;
+  std::map<std::array<std::uint32_t, 2>, std::set<std::uint16_t>> cells;
   for (std::size_t i = 0; i < region.cells.size(); ++i) {
     const Triangle& t = region.mesh.triangles[i];
     for (std::size_t k = 0; k < 3; ++k)

@@ -142,10 +142,10 @@ Region make_region(const Mesh& mesh, const std::vector<Plane>& inner, const std:
     parts = std::move(halves);
   }
   Region region;
-  std::vector<std::uint8_t> cells;
+  std::vector<std::uint16_t> cells;
   for (std::size_t cell = 0; cell < parts.size(); ++cell) {
     append(region.mesh, parts[cell]);
-    cells.resize(region.mesh.triangles.size(), static_cast<std::uint8_t>(cell));
+    cells.resize(region.mesh.triangles.size(), static_cast<std::uint16_t>(cell));
     std::array<Plane, 4> planes{};
     planes.fill({{1, 0, 0}, 0});
     for (std::size_t i = 0; i < inner.size(); ++i)

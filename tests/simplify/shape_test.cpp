@@ -95,7 +95,7 @@ TEST(Simplify, TurnsATriangleByLessThanARightAngleAtATime) {
     for (;;) {
       // Each triangle in a cell of its own, which tells what became of it.
       const Mesh before = region.mesh;
-      std::iota(region.cells.begin(), region.cells.end(), std::uint8_t{0});
+      std::iota(region.cells.begin(), region.cells.end(), std::uint16_t{0});
       region.cell_planes.assign(region.cells.size(), region.cell_planes[0]);
       region.samples.clear();
       if (simplify(region, before.triangles.size() - 1).final_triangles == before.triangles.size()) break;

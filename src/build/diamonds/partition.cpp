@@ -1,13 +1,13 @@
-#include "build/partition.hpp"
+#include "build/diamonds/partition.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <unordered_map>
 
+#include "build/bucket_mesh.hpp"
 #include "build/buckets.hpp"
-#include "cluster/farm.hpp"
+#include "build/phase.hpp"
 #include "mesh/clip.hpp"
-#include "mesh/topology.hpp"
 
 namespace colossus::build {
 namespace {
@@ -67,7 +67,8 @@ class Refiner {
     if (!is_forced && (growth > kMostGrowth || !is_worth_splitting(tetrahedron, mesh))) {
       mesh::weld(mesh);
       if (!mesh.triangles.empty())
-        out.leaves.push_back(store(workspace_, hierarchy::id_of(tetrahedron), {std::move(mesh), {}}));
+        out.leaves.push_back(
+            store_tetrahedron(workspace_, hierarchy::id_of(tetrahedron), {std::move(mesh), {}}));
       return;
     }
     if (!is_forced) out.splits.push_back(center);
@@ -105,86 +106,6 @@ class Refiner {
 
   const Workspace& workspace_;
   const DiamondSet& splits_;
-};
-
-// The triangles of one bucket with their vertices, welded by position, without duplicates.
-class BucketMesh {
- public:
-  BucketMesh(const Workspace& workspace, const VertexStore& store, const Cube& cube,
-             std::span<const scratch::RecordRef> records)
-      : cube_(cube) {
-    std::vector<BucketTriangle> triangles;
-    for (const auto& record : records) {
-      const Bytes bytes = workspace.reader.read(record);
-      const auto part = ByteReader(bytes).get_array<BucketTriangle>(bytes.size() / sizeof(BucketTriangle));
-      triangles.insert(triangles.end(), part.begin(), part.end());
-    }
-    index(triangles, store);
-    mesh::weld(mesh_);
-    drop_duplicates();
-    count_edges();
-  }
-
-  Mesh& mesh() { return mesh_; }
-  std::uint64_t duplicates() const { return duplicates_; }
-  std::uint64_t border_edges() const { return border_edges_; }
-  std::uint64_t nonmanifold_edges() const { return nonmanifold_edges_; }
-
- private:
-  void index(const std::vector<BucketTriangle>& triangles, const VertexStore& store) {
-    std::unordered_map<std::uint64_t, std::uint32_t> local;
-    local.reserve(triangles.size());
-    mesh_.triangles.reserve(triangles.size());
-    for (const BucketTriangle& t : triangles) {
-      mesh::Triangle corners;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto [entry, is_new] =
-            local.try_emplace(t[k], static_cast<std::uint32_t>(mesh_.vertices.size()));
-        if (is_new) mesh_.vertices.push_back(store[t[k]]);
-        corners[k] = entry->second;
-      }
-      mesh_.triangles.push_back(corners);
-    }
-  }
-
-  const Point& position(std::uint32_t v) const { return mesh_.vertices[v].position; }
-
-  // Same positions in the same cyclic order: all but the first go. Each is counted in the one bucket that
-  // holds its least corner, which lies on no plane.
-  void drop_duplicates() {
-    const std::vector<std::uint32_t> first =
-        mesh::first_with_same_corners(mesh_.triangles, mesh_.vertices.size());
-    std::vector<bool> is_duplicate(mesh_.triangles.size(), false);
-    // Of each group the first triangle of either orientation stays.
-    std::unordered_map<std::uint32_t, bool> has_opposite;
-    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      if (first[i] == i) continue;
-      const mesh::Triangle& t = mesh_.triangles[i];
-      is_duplicate[i] = mesh::has_same_orientation(t, mesh_.triangles[first[i]]) ||
-                        std::exchange(has_opposite[first[i]], true);
-      const Point least = std::min({position(t[0]), position(t[1]), position(t[2])});
-      if (is_duplicate[i] && cube_.contains(least)) ++duplicates_;
-    }
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
-      if (!is_duplicate[i]) mesh_.triangles[kept++] = mesh_.triangles[i];
-    mesh_.triangles.resize(kept);
-  }
-
-  // An edge is counted in the bucket that holds its lesser end: all triangles at it meet that cube.
-  void count_edges() {
-    for (const mesh::Edge& edge : mesh::edges(mesh_.triangles)) {
-      if (!edge.is_border() && !edge.is_nonmanifold()) continue;
-      if (!cube_.contains(std::min(position(edge.a), position(edge.b)))) continue;
-      ++(edge.is_border() ? border_edges_ : nonmanifold_edges_);
-    }
-  }
-
-  Cube cube_;
-  Mesh mesh_;
-  std::uint64_t duplicates_ = 0;
-  std::uint64_t border_edges_ = 0;
-  std::uint64_t nonmanifold_edges_ = 0;
 };
 
 // Cuts a bucket's triangles from the root on, following only tetrahedra that reach into its cube: everybody
@@ -280,32 +201,19 @@ class Partitioner {
 
  private:
   void cut_buckets() {
-    const std::vector<Bucket> buckets = fill_buckets(workspace_, catalog_);
-    std::vector<std::size_t> filled;
-    for (std::size_t i = 0; i < buckets.size(); ++i)
-      if (buckets[i].triangle_count > 0) filled.push_back(i);
-    // The largest first, so that none of them starts last.
-    std::stable_sort(filled.begin(), filled.end(), [&](std::size_t a, std::size_t b) {
-      return buckets[a].triangle_count > buckets[b].triangle_count;
-    });
+    const std::vector<Bucket> buckets = fill_buckets(workspace_, catalog_, hierarchy::kMaxLevel / 3);
+    const std::vector<std::size_t> filled = filled_buckets(buckets);
     scratch::MappedSpool mapped(workspace_.scratch);
     std::optional<VertexStore> store;
     workspace_.ranks.attempt([&] { store.emplace(catalog_.vertex_blocks, mapped); });
     std::vector<Refinement> results(filled.size());
-    cluster::run_farm(
-        workspace_.ranks, filled.size(),
-        [&](std::size_t i) {
-          ByteWriter writer;
-          writer.put(buckets[filled[i]].cube);
-          writer.put_array<scratch::RecordRef>(buckets[filled[i]].records);
-          return writer.take();
-        },
+    run_phase(
+        workspace_, "partition", filled.size(),
+        [&](std::size_t i) { return bucket_task(buckets[filled[i]]); },
         [&](std::span<const std::byte> task) {
-          ByteReader reader(task);
-          const auto cube = reader.get<Cube>();
-          const auto records =
-              reader.get_array<scratch::RecordRef>(reader.remaining() / sizeof(scratch::RecordRef));
-          BucketMesh bucket(workspace_, *store, cube, records);
+          const Bucket own = bucket_of_task(task);
+          const Cube& cube = own.cube;
+          BucketMesh bucket(workspace_, *store, cube, own.records);
           Refinement out;
           out.duplicates = bucket.duplicates();
           out.border_edges = bucket.border_edges();
@@ -360,8 +268,8 @@ class Partitioner {
     broadcast_value(workspace_.ranks, count);
     if (count == 0) return false;
     std::vector<Refinement> results(forced.size());
-    cluster::run_farm(
-        workspace_.ranks, forced.size(),
+    run_phase(
+        workspace_, fmt::format("completion {}", ++completions_), forced.size(),
         [&](std::size_t i) {
           ByteWriter writer;
           writer.put(forced[i]);
@@ -388,6 +296,7 @@ class Partitioner {
   Catalog& catalog_;
   Partition partition_;
   std::vector<Point> new_splits_;  // on rank 0
+  int completions_ = 0;
 };
 
 }  // namespace

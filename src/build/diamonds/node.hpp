@@ -2,9 +2,9 @@
 // parents.
 #pragma once
 
-#include "build/tetrahedron_mesh.hpp"
+#include "build/diamonds/tetrahedron_mesh.hpp"
+#include "build/hierarchy.hpp"
 #include "codec/quantize.hpp"
-#include "container/schema.hpp"
 #include "geometry/lattice.hpp"
 #include "simplify/region.hpp"
 
@@ -30,22 +30,8 @@ struct NodeTask {
   static NodeTask from_bytes(std::span<const std::byte> bytes);
 };
 
-// Sums over the nodes of a level; integers, so that they do not depend on any order.
-struct NodeStatistics {
-  // Of inner nodes: what there was of the children, what was aimed at, what was reached before quantisation.
-  std::uint64_t initial_triangles = 0;
-  std::uint64_t target_triangles = 0;
-  std::uint64_t reached_triangles = 0;
-  std::uint64_t initial_vertices = 0;
-  std::uint64_t locked_vertices = 0;
-  simplify::AngleCounts angles;  // of leaves too
-};
-
 struct NodeResult {
-  container::NodeRow row;
-  scratch::RecordRef chunk;
-  NodeStatistics statistics;
-  double displacement = 0.0;                  // by quantisation, world units
+  FinishedNode node;
   std::vector<TetrahedronRecord> tetrahedra;  // empty for leaves: they are in scratch already
 
   core::Bytes to_bytes() const;

@@ -1,10 +1,10 @@
-#include "build/node.hpp"
+#include "build/diamonds/node.hpp"
 
 #include <algorithm>
 #include <bit>
 
 #include "build/catalog.hpp"
-#include "build/diamond_region.hpp"
+#include "build/diamonds/diamond_region.hpp"
 #include "codec/node_codec.hpp"
 #include "container/chunk.hpp"
 #include "simplify/collapse.hpp"
@@ -18,21 +18,10 @@ using core::Bytes;
 using core::ByteWriter;
 using hierarchy::Diamond;
 
-// About one per triangle of a tetrahedron of the default size.
-constexpr std::size_t kSamplesPerTetrahedron = 2048;
-
 std::vector<PlacedMesh> load_parts(const Workspace& workspace, const NodeTask& task) {
   std::vector<PlacedMesh> parts;
   for (const NodePart& part : task.parts) parts.push_back({part.place, load(workspace, part.record)});
   return parts;
-}
-
-// Leaves are the input: their vertices are its first samples.
-void add_missing_samples(TetrahedronMesh& content) {
-  if (!content.samples.empty()) return;
-  for (std::uint32_t v = 0; v < content.mesh.vertices.size(); ++v)
-    content.samples.push_back({content.mesh.vertices[v].position, v, 0.0F, 0});
-  simplify::thin_out(content.samples, kSamplesPerTetrahedron);
 }
 
 std::size_t target_of(const NodeSettings& settings, const std::vector<PlacedMesh>& parts) {
@@ -61,7 +50,7 @@ std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamon
   statistics.initial_vertices = outcome.initial_vertices;
   statistics.locked_vertices = outcome.locked_vertices;
   parts = split_region(region, diamond);
-  for (PlacedMesh& part : parts) simplify::thin_out(part.content.samples, kSamplesPerTetrahedron);
+  for (PlacedMesh& part : parts) simplify::thin_out(part.content.samples, kSamplesPerMesh);
   return std::move(parts);
 }
 
@@ -123,10 +112,7 @@ NodeTask NodeTask::from_bytes(std::span<const std::byte> bytes) {
 
 Bytes NodeResult::to_bytes() const {
   ByteWriter writer;
-  writer.put(row);
-  writer.put(chunk);
-  writer.put(statistics);
-  writer.put(displacement);
+  writer.put(node);
   writer.put_array<TetrahedronRecord>(tetrahedra);
   return writer.take();
 }
@@ -134,10 +120,7 @@ Bytes NodeResult::to_bytes() const {
 NodeResult NodeResult::from_bytes(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   NodeResult result;
-  result.row = reader.get<container::NodeRow>();
-  result.chunk = reader.get<scratch::RecordRef>();
-  result.statistics = reader.get<NodeStatistics>();
-  result.displacement = reader.get<double>();
+  result.node = reader.get<FinishedNode>();
   result.tetrahedra = reader.get_array<TetrahedronRecord>(reader.remaining() / sizeof(TetrahedronRecord));
   COLOSSUS_CHECK(!reader.failed());
   return result;
@@ -148,28 +131,29 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
   NodeResult result;
   std::vector<PlacedMesh> parts = load_parts(workspace, task);
   double deviation = 0.0;
-  if (!task.is_leaf) parts = simplify_node(settings, diamond, std::move(parts), result.statistics, deviation);
+  if (!task.is_leaf)
+    parts = simplify_node(settings, diamond, std::move(parts), result.node.statistics, deviation);
 
-  container::NodeRow& row = result.row;
+  container::NodeRow& row = result.node.row;
   row.level = static_cast<std::uint32_t>(diamond.level);
   row.center = {task.center.x, task.center.y, task.center.z};
   row.flags = task.is_leaf ? container::kNodeIsLeaf : 0;
-  codec::NodeMesh node;
-  node.position_bits = settings.quantize.position_bits;
-  node.has_normals = settings.quantize.normals;
-  node.has_colors = settings.quantize.colors;
+  codec::NodeMesh mesh;
+  mesh.position_bits = settings.quantize.position_bits;
+  mesh.has_normals = settings.quantize.normals;
+  mesh.has_colors = settings.quantize.colors;
   StoredBounds bounds;
   for (const PlacedMesh& part : parts) {
     const hierarchy::Tetrahedron& tetrahedron = diamond.tetrahedra[part.place];
     codec::Quantized stored = codec::quantize(part.content.mesh, tetrahedron,
                                               static_cast<std::uint8_t>(part.place), settings.quantize);
     const simplify::AngleCounts angles = simplify::count_small_angles(part.content.mesh);
-    result.statistics.angles.below_5_degrees += angles.below_5_degrees;
-    result.statistics.angles.below_15_degrees += angles.below_15_degrees;
-    result.statistics.angles.below_30_degrees += angles.below_30_degrees;
-    if (!task.is_leaf) result.statistics.reached_triangles += part.content.mesh.triangles.size();
+    result.node.statistics.angles.below_5_degrees += angles.below_5_degrees;
+    result.node.statistics.angles.below_15_degrees += angles.below_15_degrees;
+    result.node.statistics.angles.below_30_degrees += angles.below_30_degrees;
+    if (!task.is_leaf) result.node.statistics.reached_triangles += part.content.mesh.triangles.size();
     const double displacement = stored.displacement * settings.lattice.step;
-    result.displacement = std::max(result.displacement, displacement);
+    result.node.displacement = std::max(result.node.displacement, displacement);
     if (task.is_leaf && part.content.mesh.triangles.size() > settings.leaf_triangles)
       row.flags = static_cast<std::uint8_t>(row.flags | container::kNodeIsAboveLimit);
     // A tetrahedron whose last triangle fell to quantisation stays: it is part of the hierarchy.
@@ -177,21 +161,21 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
     row.vertices += static_cast<std::uint32_t>(stored.tetrahedron.weights.size());
     row.triangles += static_cast<std::uint32_t>(stored.tetrahedron.triangles.size());
     bounds.add(stored.tetrahedron, tetrahedron);
-    node.tetrahedra.push_back(std::move(stored.tetrahedron));
+    mesh.tetrahedra.push_back(std::move(stored.tetrahedron));
   }
-  row.error = std::max(deviation * settings.lattice.step + result.displacement + settings.input_error,
+  row.error = std::max(deviation * settings.lattice.step + result.node.displacement + settings.input_error,
                        task.least_error);
-  if (row.triangles == 0) bounds.add(task.center, node.position_bits);
-  row.bounds = bounds.world(settings.lattice, node.position_bits);
-  const container::PackedChunk chunk = container::pack_chunk(codec::encode(node));
+  if (row.triangles == 0) bounds.add(task.center, mesh.position_bits);
+  row.bounds = bounds.world(settings.lattice, mesh.position_bits);
+  const container::PackedChunk chunk = container::pack_chunk(codec::encode(mesh));
   row.capacity_class = chunk.capacity_class;
   row.payload_bytes = chunk.payload_bytes;
   row.stored_bytes = chunk.frame.size();
   row.checksum = chunk.checksum;
-  result.chunk = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
+  result.node.chunk = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
   if (!task.is_leaf)
     for (const PlacedMesh& part : parts)
-      result.tetrahedra.push_back(store(workspace, {task.center, part.place}, part.content));
+      result.tetrahedra.push_back(store_tetrahedron(workspace, {task.center, part.place}, part.content));
   return result;
 }
 

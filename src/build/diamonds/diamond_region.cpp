@@ -1,4 +1,4 @@
-#include "build/diamond_region.hpp"
+#include "build/diamonds/diamond_region.hpp"
 
 #include <algorithm>
 
@@ -79,7 +79,7 @@ simplify::Region make_region(const Diamond& diamond, std::span<const PlacedMesh>
     }
     for (const mesh::Triangle& t : mesh.triangles) {
       triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
-      region.cells.push_back(static_cast<std::uint8_t>(part.place));
+      region.cells.push_back(static_cast<std::uint16_t>(part.place));
     }
   }
   const std::vector<std::uint32_t> remap = mesh::position_remap(vertices);

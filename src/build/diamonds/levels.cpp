@@ -1,10 +1,10 @@
-#include "build/levels.hpp"
+#include "build/diamonds/levels.hpp"
 
 #include <algorithm>
 #include <map>
 #include <unordered_map>
 
-#include "cluster/farm.hpp"
+#include "build/phase.hpp"
 #include "core/log.hpp"
 
 namespace colossus::build {
@@ -34,10 +34,7 @@ class LevelBuilder {
     broadcast_value(workspace_.ranks, levels);
     for (auto level = static_cast<int>(levels) - 1; level >= 0; --level)
       run_tasks(inner_tasks(level), fmt::format("level {}", level));
-    std::sort(hierarchy_.nodes.begin(), hierarchy_.nodes.end(),
-              [](const FinishedNode& a, const FinishedNode& b) {
-                return a.row.level != b.row.level ? a.row.level < b.row.level : a.row.center < b.row.center;
-              });
+    hierarchy_.sort();
     return std::move(hierarchy_);
   }
 
@@ -100,8 +97,8 @@ class LevelBuilder {
     std::stable_sort(tasks.begin(), tasks.end(),
                      [](const NodeTask& a, const NodeTask& b) { return cost_of(a) > cost_of(b); });
     std::vector<NodeResult> results(tasks.size());
-    cluster::run_farm(
-        workspace_.ranks, tasks.size(), [&](std::size_t i) { return tasks[i].to_bytes(); },
+    run_phase(
+        workspace_, name, tasks.size(), [&](std::size_t i) { return tasks[i].to_bytes(); },
         [&](std::span<const std::byte> bytes) {
           return build_node(workspace_, settings_, NodeTask::from_bytes(bytes)).to_bytes();
         },
@@ -109,36 +106,17 @@ class LevelBuilder {
     std::uint64_t triangles = 0;
     for (const NodeResult& result : results) {
       take(result);
-      triangles += result.row.triangles;
+      triangles += result.node.row.triangles;
     }
     core::log("{}: {} nodes, {} triangles, peak memory {} MB", name, tasks.size(), triangles,
               core::peak_memory_bytes() >> 20);
   }
 
   void take(const NodeResult& result) {
-    const Point center{result.row.center[0], result.row.center[1], result.row.center[2]};
-    errors_[center] = result.row.error;
+    const container::NodeRow& row = result.node.row;
+    errors_[{row.center[0], row.center[1], row.center[2]}] = row.error;
     for (const TetrahedronRecord& record : result.tetrahedra) tetrahedra_.insert_or_assign(record.id, record);
-    hierarchy_.nodes.push_back({result.row, result.chunk});
-    if (hierarchy_.levels.size() <= result.row.level) hierarchy_.levels.resize(result.row.level + 1);
-    LevelStatistics& level = hierarchy_.levels[result.row.level];
-    ++level.nodes;
-    level.leaves += (result.row.flags & container::kNodeIsLeaf) != 0 ? 1 : 0;
-    level.leaves_above_limit += (result.row.flags & container::kNodeIsAboveLimit) != 0 ? 1 : 0;
-    level.vertices += result.row.vertices;
-    level.triangles += result.row.triangles;
-    level.payload_bytes += result.row.payload_bytes;
-    level.stored_bytes += result.row.stored_bytes;
-    level.error = std::max(level.error, result.row.error);
-    level.displacement = std::max(level.displacement, result.displacement);
-    level.sums.initial_triangles += result.statistics.initial_triangles;
-    level.sums.target_triangles += result.statistics.target_triangles;
-    level.sums.reached_triangles += result.statistics.reached_triangles;
-    level.sums.initial_vertices += result.statistics.initial_vertices;
-    level.sums.locked_vertices += result.statistics.locked_vertices;
-    level.sums.angles.below_5_degrees += result.statistics.angles.below_5_degrees;
-    level.sums.angles.below_15_degrees += result.statistics.angles.below_15_degrees;
-    level.sums.angles.below_30_degrees += result.statistics.angles.below_30_degrees;
+    hierarchy_.add(result.node);
   }
 
   const Workspace& workspace_;

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "build/tetrahedron_mesh.hpp"
+#include "build/diamonds/tetrahedron_mesh.hpp"
 #include "simplify/region.hpp"
 
 namespace colossus::build {
@@ -12,7 +12,7 @@ namespace colossus::build {
 // A mesh that lies within the tetrahedron at `place` of the diamond.
 struct PlacedMesh {
   std::uint32_t place = 0;
-  TetrahedronMesh content;
+  SampledMesh content;
 };
 
 // Welds the parts by position; equal positions take the first one's attributes. Every

@@ -4,7 +4,7 @@
 #include <unordered_set>
 
 #include "build/catalog.hpp"
-#include "build/tetrahedron_mesh.hpp"
+#include "build/diamonds/tetrahedron_mesh.hpp"
 
 namespace colossus::build {
 

@@ -1,0 +1,61 @@
+#include "build/blocks/blocks.hpp"
+
+#include <cmath>
+
+#include "build/blocks/levels.hpp"
+#include "build/survey.hpp"
+#include "core/log.hpp"
+
+namespace colossus::build {
+
+void check_blocks(const BuildOptions& options) {
+  using core::Status;
+  if (options.position_bits < codec::kMinPositionBits || options.position_bits > codec::kMaxPositionBits)
+    core::fail(Status::kUsage, "--position-bits {} is out of range; choose {} to {}", options.position_bits,
+               codec::kMinPositionBits, codec::kMaxPositionBits);
+  const int most_levels = geometry::kRootBits - codec::kMaxPositionBits;
+  if (options.levels && (*options.levels < 0 || *options.levels > most_levels))
+    core::fail(Status::kUsage, "--levels {} is out of range; choose 0 to {}", *options.levels, most_levels);
+  if (options.block_size &&
+      (*options.block_size < hierarchy::kLeastBlockSize ||
+       *options.block_size > hierarchy::kGreatestBlockSize || *options.block_size % 4 != 0))
+    core::fail(Status::kUsage, "--block-size {} is out of range; choose a multiple of 4, {} to {}",
+               *options.block_size, hierarchy::kLeastBlockSize, hierarchy::kGreatestBlockSize);
+  if (!std::isfinite(options.color_weight) || options.color_weight < 0.0)
+    core::fail(Status::kUsage, "--color-weight {} is out of range; choose 0 or a positive number",
+               options.color_weight);
+}
+
+Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
+  const Grid grid = choose_grid(workspace, catalog);
+  const std::vector<VertexBlockRef> unrounded = catalog.vertex_blocks;
+  round_positions(workspace, catalog, grid.spacing());
+  core::log("grid: {} levels of cubes, positions rounded to {}", grid.levels,
+            catalog.lattice.step * grid.spacing());
+  const CubePartition partition = partition_cubes(workspace, catalog, grid, unrounded);
+  const InputCounts& c = catalog.counts;
+  core::log(
+      "partition: {} degenerate and {} duplicate triangles dropped; {} border and {} non-manifold edges; {} "
+      "edges "
+      "too long for their cubes split",
+      c.degenerate, c.duplicate, c.border_edges, c.nonmanifold_edges, c.split_edges);
+
+  BlockSettings settings;
+  settings.lattice = catalog.lattice;
+  settings.grid = grid;
+  settings.has_colors = catalog.has_colors;
+  settings.color_weight = workspace.options.color_weight;
+  settings.leaf_error =
+      catalog.lattice.input_error() + std::sqrt(3.0) / 2.0 * grid.spacing() * catalog.lattice.step;
+  const int block_size = workspace.options.block_size.value_or(kDefaultBlockSize);
+  Hierarchy hierarchy = build_block_levels(workspace, settings, block_size, partition);
+  hierarchy.lattice = {catalog.lattice.origin, catalog.lattice.step * grid.spacing(), grid.root_bits()};
+  hierarchy.position_bits = grid.position_bits;
+  hierarchy.options = {{"block_size", fmt::format("{}", block_size)},
+                       {"levels", fmt::format("{}", grid.levels)}};
+  if (settings.color_weight > 0.0)
+    hierarchy.options.push_back({"color_weight", fmt::format("{}", settings.color_weight)});
+  return hierarchy;
+}
+
+}  // namespace colossus::build

@@ -1,0 +1,49 @@
+// One block of cubes as a task: from the cubes' meshes in scratch to their chunks, and to the meshes of their
+// parents.
+#pragma once
+
+#include "build/blocks/partition.hpp"
+#include "build/hierarchy.hpp"
+
+namespace colossus::build {
+
+struct BlockCube {
+  CubeRecord record;
+  double error = 0.0;  // world units
+};
+
+struct BlockTask {
+  hierarchy::BlockId block;
+  std::vector<BlockCube> cubes;          // of one level, in order
+  std::vector<scratch::RecordRef> rims;  // of the cubes around the block
+
+  core::Bytes to_bytes() const;
+  static BlockTask from_bytes(std::span<const std::byte> bytes);
+};
+
+struct BlockResult {
+  std::vector<FinishedNode> nodes;   // the task's cubes
+  std::vector<BlockCube> parents;    // none of level 0
+  NodeStatistics statistics;         // of making the parents
+  std::int64_t farthest_parent = 0;  // of a vertex, in the maximum norm, on the lattice of 2^30
+
+  core::Bytes to_bytes() const;
+  static BlockResult from_bytes(std::span<const std::byte> bytes);
+};
+
+// What all blocks of a build share.
+struct BlockSettings {
+  geometry::Lattice lattice;
+  Grid grid;
+  bool has_colors = false;
+  double color_weight = 0.0;  // see simplify::Region
+  double leaf_error = 0.0;    // world units: by which the lattice and rounding have moved the input
+};
+
+// Simplifies the block to a quarter of its triangles with its border locked, splits the result into the
+// parents along the map, and encodes the cubes with the map to their parents' vertices (paper 001,
+// sections 3.2.4 and 3.2.5). Cubes of level 0 are only encoded. Not collective; this is where the time of a
+// build goes.
+BlockResult build_block(const Workspace& workspace, const BlockSettings& settings, const BlockTask& task);
+
+}  // namespace colossus::build

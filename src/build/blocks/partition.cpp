@@ -1,0 +1,347 @@
+#include "build/blocks/partition.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "build/blocks/blocks.hpp"
+#include "build/bucket_mesh.hpp"
+#include "build/buckets.hpp"
+#include "build/phase.hpp"
+#include "core/log.hpp"
+
+namespace colossus::build {
+namespace {
+
+using core::ByteReader;
+using core::Bytes;
+using core::ByteWriter;
+using geometry::Point;
+using hierarchy::CubeId;
+
+// More of them, and a level would be lost to a few stretched triangles for which a split does.
+constexpr std::uint64_t kLongTrianglesShare = 100;
+
+std::int64_t longest_side(const Point& p, const Point& q, const Point& r) {
+  return std::max(
+      {hierarchy::max_distance(p, q), hierarchy::max_distance(q, r), hierarchy::max_distance(r, p)});
+}
+
+std::int64_t longest_edge_at(int level) {
+  return static_cast<std::int64_t>(
+      std::floor(kGreatestSigma * static_cast<double>(std::int64_t{1} << (geometry::kRootBits - level))));
+}
+
+// Three interleaved bits per level, so that coarser cubes are prefixes.
+std::uint64_t interleaved(const CubeId& cube) {
+  std::uint64_t key = 0;
+  for (int bit = cube.level - 1; bit >= 0; --bit)
+    key = key << 3 | static_cast<std::uint64_t>((cube.z >> bit & 1) << 2 | (cube.y >> bit & 1) << 1 |
+                                                (cube.x >> bit & 1));
+  return key;
+}
+
+// What the triangles of some blocks say about the choice of a level.
+struct LevelCensus {
+  std::uint64_t triangles = 0;
+  std::array<std::uint64_t, kDeepestCountedLevel + 1> with_long_edges{};
+  std::vector<std::uint64_t> occupied;  // cubes of the deepest counted level, ascending
+
+  void merge(const LevelCensus& other) {
+    triangles += other.triangles;
+    for (std::size_t l = 0; l < with_long_edges.size(); ++l) with_long_edges[l] += other.with_long_edges[l];
+    std::vector<std::uint64_t> both;
+    std::set_union(occupied.begin(), occupied.end(), other.occupied.begin(), other.occupied.end(),
+                   std::back_inserter(both));
+    occupied = std::move(both);
+  }
+};
+
+LevelCensus take_census(const Workspace& workspace, const TriangleBlockRef& block, const VertexStore& store) {
+  LevelCensus census;
+  const Bytes bytes = workspace.reader.read(block.record);
+  for (const auto& t : ByteReader(bytes).get_array<mesh::Triangle>(block.count)) {
+    const Point& p = store[block.first_vertex + t[0]].position;
+    const Point& q = store[block.first_vertex + t[1]].position;
+    const Point& r = store[block.first_vertex + t[2]].position;
+    if (mesh::is_degenerate(p, q, r)) continue;
+    ++census.triangles;
+    const std::int64_t longest = longest_side(p, q, r);
+    for (int level = 0; level <= kDeepestCountedLevel; ++level)
+      census.with_long_edges[static_cast<std::size_t>(level)] += longest > longest_edge_at(level) ? 1 : 0;
+    census.occupied.push_back(
+        interleaved(hierarchy::cube_of_barycenter(p, q, r, kDeepestCountedLevel, geometry::kRootBits)));
+  }
+  std::sort(census.occupied.begin(), census.occupied.end());
+  census.occupied.erase(std::unique(census.occupied.begin(), census.occupied.end()), census.occupied.end());
+  return census;
+}
+
+std::uint64_t occupied_at(const LevelCensus& census, int level) {
+  const int shift = 3 * (kDeepestCountedLevel - level);
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < census.occupied.size(); ++i)
+    count += i == 0 || census.occupied[i] >> shift != census.occupied[i - 1] >> shift ? 1 : 0;
+  return count;
+}
+
+int choose_level(const LevelCensus& census, std::uint64_t leaf_triangles) {
+  int level = 0;
+  while (level < kDeepestCountedLevel && census.triangles > leaf_triangles * occupied_at(census, level))
+    ++level;
+  while (level > 0 &&
+         census.with_long_edges[static_cast<std::size_t>(level)] * kLongTrianglesShare > census.triangles)
+    --level;
+  return level;
+}
+
+int choose_position_bits(const BuildOptions& options, const Catalog& catalog, int levels) {
+  const int most = std::min(codec::kMaxPositionBits, geometry::kRootBits - levels);
+  if (!options.tolerance) return std::min(options.position_bits, most);
+  for (int bits = codec::kMinPositionBits; bits <= most; ++bits)
+    if (Grid{levels, bits}.spacing() * std::sqrt(3.0) / 2.0 * catalog.lattice.step +
+            catalog.lattice.input_error() <=
+        *options.tolerance)
+      return bits;
+  core::warn("--tolerance {} is finer than {} bits per cube give", *options.tolerance, most);
+  return most;
+}
+
+// Splits the edges of a mesh that are too long at their middles, round by round.
+class LongEdgeSplitter {
+ public:
+  LongEdgeSplitter(const Grid& grid, const Cube& cube, mesh::Mesh& mesh)
+      : grid_(grid), cube_(cube), mesh_(mesh) {}
+
+  // Returns how many edges were split whose lesser end lies in the cube.
+  std::uint64_t run() {
+    while (split_once()) {
+    }
+    return count_;
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  bool split_once() {
+    const std::int64_t longest = grid_.longest_edge();
+    std::vector<mesh::Triangle> triangles;
+    middles_.clear();
+    for (const mesh::Triangle& t : mesh_.triangles) {
+      std::array<std::uint32_t, 3> middle{kNone, kNone, kNone};
+      for (std::size_t k = 0; k < 3; ++k)
+        if (hierarchy::max_distance(at(t[k]), at(t[(k + 1) % 3])) > longest)
+          middle[k] = middle_of(t[k], t[(k + 1) % 3]);
+      divide(t, middle, triangles);
+    }
+    const bool has_split = !middles_.empty();
+    mesh_.triangles = std::move(triangles);
+    if (has_split) mesh::weld(mesh_);
+    return has_split;
+  }
+
+  const Point& at(std::uint32_t v) const { return mesh_.vertices[v].position; }
+
+  std::uint32_t middle_of(std::uint32_t a, std::uint32_t b) {
+    const auto [entry, is_new] =
+        middles_.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh_.vertices.size()));
+    if (!is_new) return entry->second;
+    // The order of the ends must not matter.
+    const bool is_forth = at(a) < at(b);
+    mesh::Vertex middle = mesh::middle_of(mesh_.vertices[is_forth ? a : b], mesh_.vertices[is_forth ? b : a]);
+    for (int axis = 0; axis < 3; ++axis) middle.position[axis] &= ~(grid_.spacing() - 1);
+    if (cube_.contains(std::min(at(a), at(b)))) ++count_;
+    mesh_.vertices.push_back(middle);
+    return entry->second;
+  }
+
+  // middle[k] is that of the edge from corner k.
+  static void divide(const mesh::Triangle& t, const std::array<std::uint32_t, 3>& middle,
+                     std::vector<mesh::Triangle>& out) {
+    const auto count = std::count_if(middle.begin(), middle.end(), [](auto m) { return m != kNone; });
+    if (count == 0) {
+      out.push_back(t);
+    } else if (count == 3) {
+      for (std::size_t k = 0; k < 3; ++k) out.push_back({t[k], middle[k], middle[(k + 2) % 3]});
+      out.push_back({middle[0], middle[1], middle[2]});
+    } else {
+      // Turned so that the first edge is split, and the last is not.
+      std::size_t k = 0;
+      while (middle[k] == kNone || middle[(k + 2) % 3] != kNone) ++k;
+      const auto [a, b, c] = std::array{t[k], t[(k + 1) % 3], t[(k + 2) % 3]};
+      const std::uint32_t ab = middle[k], bc = middle[(k + 1) % 3];
+      if (count == 1) {
+        out.insert(out.end(), {{a, ab, c}, {ab, b, c}});
+      } else {
+        out.insert(out.end(), {{ab, b, bc}, {a, ab, bc}, {a, bc, c}});
+      }
+    }
+  }
+
+  Grid grid_;
+  Cube cube_;
+  mesh::Mesh& mesh_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles_;
+  std::uint64_t count_ = 0;
+};
+
+struct BucketResult {
+  std::array<std::uint64_t, 4> counts{};  // duplicates, border and non-manifold edges, split edges
+  std::int64_t longest_edge = 0;
+  std::vector<CubeRecord> cubes;
+  Bytes to_bytes() const {
+    ByteWriter writer;
+    writer.put(counts);
+    writer.put(longest_edge);
+    writer.put_array<CubeRecord>(cubes);
+    return writer.take();
+  }
+  static BucketResult from_bytes(const Bytes& bytes) {
+    ByteReader reader(bytes);
+    BucketResult result;
+    result.counts = reader.get<std::array<std::uint64_t, 4>>();
+    result.longest_edge = reader.get<std::int64_t>();
+    result.cubes = reader.get_array<CubeRecord>(reader.remaining() / sizeof(CubeRecord));
+    COLOSSUS_CHECK(!reader.failed());
+    return result;
+  }
+};
+
+// The triangles of one cube, out of those of its bucket.
+mesh::Mesh mesh_of_cube(const mesh::Mesh& bucket, std::span<const std::uint32_t> triangles,
+                        std::vector<std::uint32_t>& renumbered) {
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  mesh::Mesh mesh;
+  for (const auto i : triangles) {
+    mesh::Triangle t = bucket.triangles[i];
+    for (auto& v : t) {
+      if (renumbered[v] == kNone) {
+        renumbered[v] = static_cast<std::uint32_t>(mesh.vertices.size());
+        mesh.vertices.push_back(bucket.vertices[v]);
+      }
+      v = renumbered[v];
+    }
+    mesh.triangles.push_back(t);
+  }
+  for (const auto i : triangles)
+    for (const auto v : bucket.triangles[i]) renumbered[v] = kNone;
+  return mesh;
+}
+
+void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& cube, const mesh::Mesh& mesh,
+                     BucketResult& out) {
+  struct Assigned {
+    CubeId id;
+    std::uint32_t triangle;
+  };
+  std::vector<Assigned> assigned;
+  const int finer = grid.levels - cube.depth;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const mesh::Triangle& t = mesh.triangles[i];
+    const Point &p = mesh.vertices[t[0]].position, &q = mesh.vertices[t[1]].position,
+                &r = mesh.vertices[t[2]].position;
+    const CubeId id = hierarchy::cube_of_barycenter(p, q, r, grid.levels, geometry::kRootBits);
+    if (id.x >> finer != cube.x || id.y >> finer != cube.y || id.z >> finer != cube.z) continue;
+    out.longest_edge = std::max(out.longest_edge, longest_side(p, q, r));
+    assigned.push_back({id, i});
+  }
+  std::stable_sort(assigned.begin(), assigned.end(),
+                   [](const Assigned& a, const Assigned& b) { return a.id < b.id; });
+  std::vector<std::uint32_t> renumbered(mesh.vertices.size(), ~std::uint32_t{0});
+  std::vector<std::uint32_t> triangles;
+  for (std::size_t i = 0; i < assigned.size();) {
+    const CubeId id = assigned[i].id;
+    triangles.clear();
+    for (; i < assigned.size() && assigned[i].id == id; ++i) triangles.push_back(assigned[i].triangle);
+    SampledMesh content{mesh_of_cube(mesh, triangles, renumbered), {}};
+    order_cube(content.mesh);
+    out.cubes.push_back(store_cube(workspace, id, content));
+  }
+}
+
+}  // namespace
+
+std::int64_t Grid::longest_edge() const { return longest_edge_at(levels); }
+
+Grid choose_grid(const Workspace& workspace, const Catalog& catalog) {
+  scratch::MappedSpool mapped(workspace.scratch);
+  std::optional<VertexStore> store;
+  workspace.ranks.attempt([&] { store.emplace(catalog.vertex_blocks, mapped); });
+  LevelCensus census;
+  run_phase(
+      workspace, "census", workspace.options.levels ? 0 : catalog.triangle_blocks.size(),
+      [](std::size_t i) {
+        ByteWriter writer;
+        writer.put(i);
+        return writer.take();
+      },
+      [&](std::span<const std::byte> task) {
+        const LevelCensus own =
+            take_census(workspace, catalog.triangle_blocks[ByteReader(task).get<std::size_t>()], *store);
+        ByteWriter writer;
+        writer.put(own.triangles);
+        writer.put(own.with_long_edges);
+        writer.put_array<std::uint64_t>(own.occupied);
+        return writer.take();
+      },
+      [&](std::size_t, const Bytes& bytes) {
+        ByteReader reader(bytes);
+        LevelCensus other;
+        other.triangles = reader.get<std::uint64_t>();
+        other.with_long_edges = reader.get<decltype(other.with_long_edges)>();
+        other.occupied = reader.get_array<std::uint64_t>(reader.remaining() / sizeof(std::uint64_t));
+        census.merge(other);
+      });
+  Grid grid;
+  workspace.ranks.attempt([&] {
+    if (!workspace.ranks.is_root()) return;
+    const BuildOptions& options = workspace.options;
+    grid.levels = options.levels ? *options.levels : choose_level(census, options.leaf_triangles);
+    grid.position_bits = choose_position_bits(options, catalog, grid.levels);
+  });
+  broadcast_value(workspace.ranks, grid);
+  return grid;
+}
+
+CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, const Grid& grid,
+                              const std::vector<VertexBlockRef>& unrounded) {
+  const std::vector<Bucket> buckets = fill_buckets(workspace, catalog, grid.levels);
+  scratch::MappedSpool mapped(workspace.scratch);
+  std::optional<VertexStore> store, store_unrounded;
+  workspace.ranks.attempt([&] {
+    store.emplace(catalog.vertex_blocks, mapped);
+    store_unrounded.emplace(unrounded, mapped);
+  });
+  const std::vector<std::size_t> filled = filled_buckets(buckets);
+  CubePartition partition;
+  std::array<std::uint64_t, 4> counts{};
+  run_phase(
+      workspace, "partition", filled.size(), [&](std::size_t i) { return bucket_task(buckets[filled[i]]); },
+      [&](std::span<const std::byte> task) {
+        const Bucket own = bucket_of_task(task);
+        BucketMesh bucket(workspace, *store, own.cube, own.records, &*store_unrounded);
+        BucketResult out;
+        out.counts = {bucket.duplicates(), bucket.border_edges(), bucket.nonmanifold_edges(),
+                      LongEdgeSplitter(grid, own.cube, bucket.mesh()).run()};
+        assign_to_cubes(workspace, grid, own.cube, bucket.mesh(), out);
+        return out.to_bytes();
+      },
+      [&](std::size_t, const Bytes& bytes) {
+        const BucketResult result = BucketResult::from_bytes(bytes);
+        for (std::size_t k = 0; k < counts.size(); ++k) counts[k] += result.counts[k];
+        partition.longest_edge = std::max(partition.longest_edge, result.longest_edge);
+        partition.cubes.insert(partition.cubes.end(), result.cubes.begin(), result.cubes.end());
+      });
+  std::sort(partition.cubes.begin(), partition.cubes.end(),
+            [](const CubeRecord& a, const CubeRecord& b) { return a.id < b.id; });
+  catalog.counts.duplicate = counts[0];
+  catalog.counts.border_edges = counts[1];
+  catalog.counts.nonmanifold_edges = counts[2];
+  catalog.counts.split_edges = counts[3];
+  broadcast_value(workspace.ranks, catalog.counts);
+  return partition;
+}
+
+}  // namespace colossus::build

@@ -1,0 +1,22 @@
+// What the master knows of a tetrahedron's mesh in scratch.
+#pragma once
+
+#include "build/sampled_mesh.hpp"
+#include "hierarchy/diamond.hpp"
+
+namespace colossus::build {
+
+struct TetrahedronRecord {
+  hierarchy::TetrahedronId id;
+  std::uint32_t triangles = 0;
+  std::uint32_t vertices = 0;
+  scratch::RecordRef record;
+};
+
+inline TetrahedronRecord store_tetrahedron(const Workspace& workspace, const hierarchy::TetrahedronId& id,
+                                           const SampledMesh& content) {
+  return {id, static_cast<std::uint32_t>(content.mesh.triangles.size()),
+          static_cast<std::uint32_t>(content.mesh.vertices.size()), store(workspace, content)};
+}
+
+}  // namespace colossus::build

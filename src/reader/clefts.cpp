@@ -1,0 +1,82 @@
+#include "reader/clefts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/vector.hpp"
+
+namespace colossus::reader {
+namespace {
+
+constexpr double kLeastWidthsApart = 8.0;
+
+// The borders of blocks of one level along one axis: odd multiples of half a block's side.
+struct Borders {
+  double period = 0.0;
+  double root_side = 0.0;
+  // From a coordinate to the nearest border within the root cube.
+  bool has_within(double coordinate, double width) const {
+    const double nearest = (std::floor(coordinate / period) + 0.5) * period;
+    return nearest > 0.0 && nearest < root_side && std::abs(coordinate - nearest) <= width;
+  }
+};
+
+bool is_near(const Borders& borders, const geometry::Vec3& p, double width) {
+  return borders.has_within(p.x, width) || borders.has_within(p.y, width) || borders.has_within(p.z, width);
+}
+
+}  // namespace
+
+void CleftCounts::add(const CleftCounts& other) {
+  for (std::size_t zone = 0; zone < triangles.size(); ++zone) {
+    triangles[zone] += other.triangles[zone];
+    areas[zone] += other.areas[zone];
+  }
+}
+
+CleftDensities CleftCounts::densities() const {
+  const auto density = [&](Zone zone) {
+    return areas[zone] > 0.0 ? static_cast<double>(triangles[zone]) / areas[zone] : 0.0;
+  };
+  const auto relative = [&](Zone zone) -> std::optional<double> {
+    if (!(density(kInterior) > 0.0) || !(density(zone) > 0.0)) return std::nullopt;
+    return density(zone) / density(kInterior);
+  };
+  return {relative(kLocked), relative(kEarlier)};
+}
+
+CleftCounts count_clefts(const CubeStatue& statue, int level, const codec::CubeMesh& mesh, double width) {
+  std::vector<Borders> borders;  // of levels level + 1, level + 2 ...
+  const double root_side = std::ldexp(1.0, statue.root_bits());
+  for (int finer = level + 1; finer <= static_cast<int>(statue.deepest_level()); ++finer) {
+    const double period = std::ldexp(static_cast<double>(statue.block_size()), statue.root_bits() - finer);
+    if (period < kLeastWidthsApart * width) break;
+    borders.push_back({period, root_side});
+  }
+  CleftCounts counts;
+  for (const mesh::Triangle& t : mesh.triangles) {
+    const geometry::Vec3 a = geometry::to_vec3(mesh.positions[t[0]]);
+    const geometry::Vec3 b = geometry::to_vec3(mesh.positions[t[1]]);
+    const geometry::Vec3 c = geometry::to_vec3(mesh.positions[t[2]]);
+    const geometry::Vec3 barycenter = (1.0 / 3.0) * (a + b + c);
+    std::size_t zone = CleftCounts::kInterior;
+    for (std::size_t i = borders.size(); i-- > 0;)
+      if (is_near(borders[i], barycenter, width))
+        zone = i == 0 ? CleftCounts::kLocked : CleftCounts::kEarlier;
+    ++counts.triangles[zone];
+    counts.areas[zone] += 0.5 * geometry::length(geometry::cross(b - a, c - a));
+  }
+  return counts;
+}
+
+EdgeLengths edge_lengths(const codec::CubeMesh& mesh) {
+  EdgeLengths lengths;
+  for (const mesh::Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      lengths.sum += std::sqrt(static_cast<double>(
+          geometry::squared_distance(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]])));
+  lengths.count = mesh.triangles.size() * 3;
+  return lengths;
+}
+
+}  // namespace colossus::reader

@@ -1,0 +1,37 @@
+// Private to this folder: whether triangles are denser along the borders of blocks than between them.
+//
+// Level l was made of the cubes of level l + 1, block by block, with the borders of these blocks locked; the
+// borders of the blocks of levels l + 2 and finer were locked earlier, and should have been simplified since.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "codec/cube_mesh.hpp"
+#include "reader/cube_statue.hpp"
+#include "reader/verify_report.hpp"
+
+namespace colossus::reader {
+
+struct CleftCounts {
+  enum Zone : std::size_t { kLocked, kEarlier, kInterior };
+  std::array<std::uint64_t, 3> triangles{};
+  std::array<double, 3> areas{};
+  void add(const CleftCounts& other);
+  CleftDensities densities() const;
+};
+
+// Sorts the triangles of a cube of this level by their barycentres: kLocked when within `width` (lattice
+// units; one edge length) of a border locked for this level, else kEarlier when within it of an earlier one.
+// Borders less than eight widths apart would leave no interior, so the finest ones are left out.
+CleftCounts count_clefts(const CubeStatue& statue, int level, const codec::CubeMesh& mesh, double width);
+
+struct EdgeLengths {
+  double sum = 0.0;
+  std::uint64_t count = 0;
+  double mean() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
+};
+// Of the triangles' edges, each as often as it is used; lattice units.
+EdgeLengths edge_lengths(const codec::CubeMesh& mesh);
+
+}  // namespace colossus::reader

@@ -1,0 +1,54 @@
+// Private to this folder: what verify() checks of one cube, and of its children against it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "reader/census.hpp"
+#include "reader/clefts.hpp"
+#include "reader/cube_statue.hpp"
+#include "reader/verify_report.hpp"
+
+namespace colossus::reader {
+
+// A vertex that other cubes of its level may have as well.
+struct SharedVertex {
+  geometry::Point position;
+  geometry::Point parent;
+  std::array<std::uint8_t, 2> normal{};
+  mesh::Color color{};
+  RowIndex row = kNoRow;
+};
+
+// How far, in lattice units and rounded up, a vertex of a cube of the level can lie outside the cube, by the
+// rows' bounds. A vertex deeper than that within its cube is in no other one.
+std::int64_t greatest_overhang(const CubeStatue& statue, std::uint32_t level);
+
+// What check_cube() must know about the levels.
+struct LevelFacts {
+  std::int64_t overhang = 0;
+  std::int64_t child_overhang = 0;
+  double edge_length = 0.0;  // mean, lattice units; 0: the cube's own
+};
+
+struct CubeReport {
+  std::vector<Finding> findings;
+  PartCensus census;
+  CleftCounts clefts;
+  codec::CubeMesh mesh;  // empty when it is damaged
+  // Of the children:
+  std::vector<SharedVertex> shared;
+  EdgeLengths edge_lengths;
+  std::uint64_t parents = 0;
+  std::uint64_t mapped_triangles = 0;
+};
+
+// The row against other rows, its mesh against the row and the conditions, and its children's parent maps
+// against it. Throws Error(kIo) when the device fails.
+CubeReport check_cube(const CubeStatue& statue, RowIndex row, const LevelFacts& facts);
+
+// Cubes that share a vertex of one level must agree about it. Sorts.
+std::vector<Finding> check_shared(const CubeStatue& statue, std::vector<SharedVertex>& vertices);
+
+}  // namespace colossus::reader

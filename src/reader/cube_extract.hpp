@@ -1,0 +1,20 @@
+// A cut of cubes as one indexed mesh, and as a PLY file.
+#pragma once
+
+#include <filesystem>
+
+#include "reader/cube_cut.hpp"
+#include "reader/cut_mesh.hpp"
+
+namespace colossus::reader {
+
+// Vertices are morphed as the cut says, each on the straight way to its parent, attributes likewise; a vertex
+// at an end of its way is bit-equal to it. They are then welded like those of diamonds, in order of first
+// occurrence in the cut (rows in order). Memory: proportional to the result. Throws like CubeStatue::load()
+// and CutMesh::add_position(), and Error(kBadData) when a vertex that is to be morphed has no parent.
+CutMesh assemble(const CubeStatue& statue, const CubeCut& cut);
+
+// Assembles and writes. Throws like both.
+ExtractResult extract(const CubeStatue& statue, const CubeCut& cut, const std::filesystem::path& path);
+
+}  // namespace colossus::reader

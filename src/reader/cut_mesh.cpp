@@ -1,0 +1,197 @@
+#include "reader/cut_mesh.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <system_error>
+
+#include "core/bytes.hpp"
+#include "core/file.hpp"
+#include "reader/welded.hpp"
+
+namespace colossus::reader {
+namespace {
+
+using core::Status;
+
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+constexpr std::size_t kMostVertices = (std::size_t{1} << 31) - 1;  // what signed PLY indices reach
+
+// Finds equal keys by open addressing; the values are counted from 0 in order of insertion.
+template <typename Key, typename Hash>
+class Numbering {
+ public:
+  // The number of the key, new when it is the next one.
+  std::uint32_t number(const Key& key) {
+    if ((keys_.size() + 1) * 2 > table_.size()) grow();
+    std::size_t slot = Hash{}(key) & (table_.size() - 1);
+    while (table_[slot] != kNone && keys_[table_[slot]] != key) slot = (slot + 1) & (table_.size() - 1);
+    if (table_[slot] == kNone) {
+      table_[slot] = static_cast<std::uint32_t>(keys_.size());
+      keys_.push_back(key);
+    }
+    return table_[slot];
+  }
+  std::size_t size() const { return keys_.size(); }
+
+ private:
+  void grow() {
+    table_.assign(std::max<std::size_t>(1024, table_.size() * 2), kNone);
+    for (std::uint32_t i = 0; i < keys_.size(); ++i) {
+      std::size_t slot = Hash{}(keys_[i]) & (table_.size() - 1);
+      while (table_[slot] != kNone) slot = (slot + 1) & (table_.size() - 1);
+      table_[slot] = i;
+    }
+  }
+  std::vector<Key> keys_;
+  std::vector<std::uint32_t> table_;
+};
+
+using DoubleBits = std::array<std::uint64_t, 3>;
+struct DoubleBitsHash {
+  std::size_t operator()(const DoubleBits& p) const {
+    std::uint64_t h = 0;
+    for (const std::uint64_t c : p) h = core::mix64(h + 0x9e3779b97f4a7c15ULL + c);
+    return h;
+  }
+};
+
+std::string ply_header(const CutMesh& mesh, bool has_doubles) {
+  std::string header = "ply\nformat binary_little_endian 1.0\ncomment a cut of a Colossus container\n";
+  header += fmt::format("element vertex {}\n", mesh.positions.size());
+  for (const char* name : {"x", "y", "z"})
+    header += fmt::format("property {} {}\n", has_doubles ? "double" : "float", name);
+  if (!mesh.normals.empty()) header += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (!mesh.colors.empty())
+    header += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+  header += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+                        mesh.triangles.size());
+  return header;
+}
+
+// Appends to a file in large writes.
+class BufferedFile {
+ public:
+  explicit BufferedFile(const std::filesystem::path& path) : file_(core::File::create(path)) {}
+  template <typename T>
+  void put(const T& value) {
+    buffer_.put(value);
+    if (buffer_.size() >= kBufferBytes) flush();
+  }
+  void put_text(const std::string& text) { buffer_.put_bytes(std::as_bytes(std::span(text))); }
+  void finish() {
+    flush();
+    file_.sync();
+    file_.close();
+  }
+
+ private:
+  static constexpr std::size_t kBufferBytes = std::size_t{1} << 22;
+  void flush() {
+    file_.write_at(offset_, buffer_.bytes());
+    offset_ += buffer_.size();
+    buffer_ = {};
+  }
+  core::File file_;
+  core::ByteWriter buffer_;
+  std::uint64_t offset_ = 0;
+};
+
+void write_ply(const CutMesh& mesh, bool has_doubles, const std::filesystem::path& path) {
+  BufferedFile file(path);
+  file.put_text(ply_header(mesh, has_doubles));
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const auto& p = mesh.positions[i];
+    if (has_doubles)
+      file.put(p);
+    else
+      file.put(
+          std::array<float, 3>{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+    if (!mesh.normals.empty()) {
+      const auto n = geometry::decode_octahedral(mesh.normals[i]);
+      file.put(
+          std::array<float, 3>{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])});
+    }
+    if (!mesh.colors.empty()) file.put(mesh.colors[i]);
+  }
+  for (const mesh::Triangle& t : mesh.triangles) {
+    std::array<std::byte, 13> face{};
+    face[0] = std::byte{3};
+    std::memcpy(face.data() + 1, t.data(), 12);
+    file.put(face);
+  }
+  file.finish();
+}
+
+}  // namespace
+
+std::uint32_t CutMesh::add_position(const std::array<double, 3>& world) {
+  if (positions.size() >= kMostVertices)
+    core::fail(Status::kNoResources, "the cut has more than {} vertices; choose a coarser one",
+               kMostVertices);
+  positions.push_back(world);
+  return static_cast<std::uint32_t>(positions.size() - 1);
+}
+
+void weld(CutMesh& mesh) {
+  Numbering<DoubleBits, DoubleBitsHash> worlds;
+  std::vector<std::uint32_t> first(mesh.positions.size());
+  std::vector<std::uint32_t> first_of_number;
+  for (std::uint32_t i = 0; i < first.size(); ++i) {
+    DoubleBits bits{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      bits[axis] = std::bit_cast<std::uint64_t>(mesh.positions[i][axis]);
+    const std::uint32_t number = worlds.number(bits);
+    if (number == first_of_number.size()) first_of_number.push_back(i);
+    first[i] = first_of_number[number];
+  }
+  for (mesh::Triangle& t : mesh.triangles)
+    for (auto& v : t) v = first[v];
+  std::erase_if(mesh.triangles,
+                [](const mesh::Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  cancel_opposite_triangles(mesh.triangles);
+  std::vector<bool> is_used(first.size());
+  for (const mesh::Triangle& t : mesh.triangles)
+    for (const auto v : t) is_used[v] = true;
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < first.size(); ++i) {
+    if (!is_used[i]) continue;
+    mesh.positions[kept] = mesh.positions[i];
+    if (!mesh.normals.empty()) mesh.normals[kept] = mesh.normals[i];
+    if (!mesh.colors.empty()) mesh.colors[kept] = mesh.colors[i];
+    first[i] = kept++;
+  }
+  mesh.positions.resize(kept);
+  if (!mesh.normals.empty()) mesh.normals.resize(kept);
+  if (!mesh.colors.empty()) mesh.colors.resize(kept);
+  for (mesh::Triangle& t : mesh.triangles)
+    for (auto& v : t) v = first[v];
+}
+
+bool fits_floats(const CutMesh& mesh) {
+  const auto is_exact = [](double c) { return static_cast<double>(static_cast<float>(c)) == c; };
+  return std::all_of(mesh.positions.begin(), mesh.positions.end(), [&](const std::array<double, 3>& p) {
+    return is_exact(p[0]) && is_exact(p[1]) && is_exact(p[2]);
+  });
+}
+
+ExtractResult write(const CutMesh& mesh, const std::filesystem::path& path) {
+  const bool has_doubles = !fits_floats(mesh);
+  std::filesystem::path part = path;
+  part += ".part";
+  try {
+    write_ply(mesh, has_doubles, part);
+    std::error_code error;
+    std::filesystem::rename(part, path, error);
+    if (error)
+      core::fail(Status::kCannotCreate, "{}: cannot rename {}: {}", path.string(), part.string(),
+                 error.message());
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw;
+  }
+  return {mesh.positions.size(), mesh.triangles.size(), has_doubles};
+}
+
+}  // namespace colossus::reader

@@ -1,0 +1,105 @@
+"""The blocks scheme: views from any eye are closed, levels shrink to a quarter, the parent map is what it must be."""
+import os
+import random
+import re
+
+import numpy as np
+
+import check_closed
+import meshes
+import program
+
+EYES = int(os.environ.get("COLOSSUS_EYES", "16"))
+
+
+class Blocks(program.ColossusTest):
+    def blocks(self, scan, *options):
+        container = self.build("blocks.h5", scan, options=("--scheme", "blocks", *options))
+        self.run_program("verify", container)
+        return container
+
+    def eyes(self, points, edge, seed):
+        """Half of them inside the bounds or within an edge length of the surface, half around."""
+        print(f"seed {seed}")
+        numbers = random.Random(seed)
+        low, high = points.min(axis=0), points.max(axis=0)
+        for i in range(EYES):
+            if i % 4 == 0:
+                yield low + (high - low) * [numbers.random() for _ in range(3)]
+            elif i % 4 == 1:
+                yield points[numbers.randrange(len(points))] + edge * np.array([numbers.uniform(-1, 1) for _ in range(3)])
+            else:
+                yield low + (high - low) * [numbers.uniform(-2, 3) for _ in range(3)]
+
+    def view(self, container, eye, kappa):
+        output = self.path("view.ply")
+        run = self.run_program("extract", container, "-o", output, "--eye=" + ",".join(repr(float(x)) for x in eye),
+                               "--kappa", kappa)
+        return check_closed.read_ply(output), run.stdout + run.stderr
+
+    def least_kappa(self, container):
+        """The usage error for a value that is too small prints the smallest legal one."""
+        run = self.run_program("extract", container, "-o", self.path("view.ply"), "--eye=0,0,0", "--kappa", 1.0,
+                               status=program.USAGE)
+        return float(re.findall(r"[0-9]+\.[0-9]+", run.stderr)[-1])
+
+    def assert_views_closed(self, scan, *options, seed):
+        container = self.blocks(scan, *options)
+        mesh = check_closed.weld(check_closed.read_ply(scan))
+        t = mesh.points[mesh.triangles[:, :2]]
+        edge = float(np.linalg.norm(t[:, 1] - t[:, 0], axis=1).mean())
+        least = self.least_kappa(container)
+        self.assertLess(least, 2.0)
+        mixed = 0
+        for eye in self.eyes(mesh.points, edge, seed):
+            for kappa in (least, 2.0, 3.5):
+                cut, said = self.view(container, eye, kappa)
+                census = check_closed.Census(cut)
+                self.assertGreater(len(census.mesh.triangles), 0)
+                self.assertTrue(census.is_closed, f"eye {eye}, kappa {kappa}: {census}")
+                mixed += kappa == 2.0 and len(re.findall(r"level \d+: [1-9]", said)) > 1
+        print(f"{mixed} of {EYES} views at kappa 2 hold several levels")
+        self.assertGreater(2 * mixed, EYES)
+        return container
+
+    def assert_levels(self, container, scan_triangles):
+        levels = self.info(container)["levels"]
+        for level in levels:
+            self.assertTrue(check_closed.Census(self.extract(container, "--level", level["level"])).is_closed)
+        self.assertLess(sum(level["triangles"] for level in levels), 1.4 * scan_triangles)
+
+    def test_statue(self):
+        statue = self.path("statue.ply")
+        self.run_program("synth", "-o", statue, "--triangles", 150000, "--seed", 5)
+        container = self.assert_views_closed(statue, "--leaf-triangles", 1000, seed=1)
+        self.assert_levels(container, 150000)
+        self.run_program("verify", container, "--against", statue)
+
+    def test_long_edges(self):
+        """A box among a fine torus: its edges are longer than the cubes allow."""
+        box = meshes.tube(4, 4)
+        torus = meshes.tube(300, 150, noise=0.003)
+        box.points[:] = 5 + 2 * box.points
+        scan = meshes.write_ply(self.path("scan.ply"), meshes.join(box, torus))
+        container = self.blocks(scan, "--leaf-triangles", 1000)
+        info = self.info(container)
+        self.assertGreater(info["counts"]["split_edges"], 0)
+        self.assertTrue(check_closed.Census(self.extract(container, "--level", 99)).is_closed)
+
+    def test_options(self):
+        torus = meshes.write_ply(self.path("torus.ply"), meshes.tube(60, 40, noise=0.01))
+        self.assertEqual(len(self.info(self.blocks(torus, "--levels", 3))["levels"]), 4)
+        self.blocks(torus, "--levels", 4, "--block-size", 8, "--position-bits", 8)
+        for wrong in (("--scheme", "tiles"), ("--scheme", "blocks", "--block-size", 6), ("--levels", 2),
+                      ("--scheme", "blocks", "--levels", 15), ("--color-weight", 1),
+                      *(("--scheme", "blocks", f"--color-weight={weight}") for weight in (-1, "nan", "inf"))):
+            self.run_program("build", torus, "-o", self.path("no.h5"), *wrong, status=program.USAGE)
+            self.assertFalse(os.path.exists(self.path("no.h5")))
+
+    def test_scans(self):
+        for name, seed in (("armadillo.ply", 2), ("gargo.ply", 3)):
+            self.assert_views_closed(self.shared_scan(name), "--leaf-triangles", 1000, seed=seed)
+
+
+if __name__ == "__main__":
+    program.main()
