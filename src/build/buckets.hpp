@@ -1,41 +1,27 @@
-// The coarse octree whose cubes collect triangles before they are cut.
+// Phase 3: sends the triangles to the buckets, whose cubes a scheme then works on one by one.
 #pragma once
 
-#include "build/catalog.hpp"
-#include "build/workspace.hpp"
+#include "build/bucket_plan.hpp"
 
 namespace colossus::build {
 
-// A cube of side 2^(30 - depth) at index (x, y, z).
-struct Cube {
-  std::int32_t depth = 0;
-  std::int32_t x = 0;
-  std::int32_t y = 0;
-  std::int32_t z = 0;
-  bool contains(const geometry::Point& p) const {
-    const int shift = geometry::kRootBits - depth;
-    return p.x >> shift == x && p.y >> shift == y && p.z >> shift == z;
-  }
-};
-
-// A triangle on its way to the buckets; vertices are numbered over all files.
-using BucketTriangle = std::array<std::uint64_t, 3>;
-
 struct Bucket {
   Cube cube;
-  std::vector<scratch::RecordRef>
-      records;  // on rank 0: arrays of BucketTriangle, in the order of the input's faces
   std::uint64_t triangle_count = 0;
+  std::uint64_t vertex_count = 0;          // of all pieces
+  std::vector<scratch::RecordRef> pieces;  // in the order of the input's faces
 };
 
-// The buckets that are not empty, as tasks: the largest first, so that none of them starts last. On rank 0.
-std::vector<std::size_t> filled_buckets(const std::vector<Bucket>& buckets);
-core::Bytes bucket_task(const Bucket& bucket);
-Bucket bucket_of_task(std::span<const std::byte> task);  // without the count
+struct Buckets {
+  BucketTree tree;
+  std::vector<Bucket> buckets;  // by their number in the tree; on rank 0
+};
 
-// Sends every triangle that is not degenerate to all buckets that its bounding box meets; counts the
-// degenerate ones in the catalogue. The buckets are the same on all ranks but for their records. None is
-// deeper than `most_depth`. Collective.
-std::vector<Bucket> fill_buckets(const Workspace& workspace, Catalog& catalog, int most_depth);
+// Sends every triangle that has three corners on the lattice to all buckets that its bounding box meets, once
+// it is rounded: a bucket gets all triangles around any position in its cube. Triangles that lose a corner to
+// rounding are sent too, since they have a normal. Counts those that lose one to lattice or rounding in the
+// catalogue, on rank 0. No bucket is deeper than `most_depth`. Collective.
+Buckets fill_buckets(const Workspace& workspace, Catalog& catalog, std::span<const TriangleGroup> groups,
+                     const Rounding& rounding, int most_depth);
 
 }  // namespace colossus::build

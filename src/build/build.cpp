@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "build/assemble.hpp"
+#include "build/memory.hpp"
 #include "build/scheme.hpp"
 #include "build/survey.hpp"
 #include "core/log.hpp"
@@ -35,13 +36,10 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme) {
   const cluster::Communicator& ranks = workspace.ranks;
   Catalog catalog = survey(workspace);
   log_survey(catalog);
-  place_on_lattice(workspace, catalog);
+  catalog.lattice = geometry::Lattice::fit(catalog.bounds);
   core::log("lattice: step {} (input vertices moved by at most {}), origin {} {} {}", catalog.lattice.step,
             catalog.lattice.input_error(), catalog.lattice.origin[0], catalog.lattice.origin[1],
             catalog.lattice.origin[2]);
-  if (catalog.counts.merged_vertices > 0)
-    core::log("lattice: {} vertices lie where others do and are merged; attributes averaged at {} positions",
-              catalog.counts.merged_vertices, catalog.counts.attribute_seams);
   const Hierarchy hierarchy = scheme.build(workspace, catalog);
 
   BuildReport report;
@@ -58,6 +56,7 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme) {
 
 BuildReport build(const cluster::Communicator& ranks, const BuildOptions& options) {
   check_options(ranks, options);
+  const std::uint64_t memory_bytes = memory_per_rank(ranks, options.memory);
   std::filesystem::path scratch = options.scratch;
   if (scratch.empty()) scratch = options.output.string() + ".scratch";
   ranks.attempt([&] {
@@ -79,7 +78,8 @@ BuildReport build(const cluster::Communicator& ranks, const BuildOptions& option
     std::optional<scratch::SpoolWriter> writer;
     ranks.attempt([&] { writer.emplace(scratch, static_cast<std::uint32_t>(ranks.rank())); });
     scratch::SpoolReader reader(scratch);
-    report = run_phases({ranks, options, scratch, *writer, reader}, scheme_named(options.scheme));
+    report =
+        run_phases({ranks, options, scratch, *writer, reader, memory_bytes}, scheme_named(options.scheme));
   }
   ranks.barrier();
   ranks.attempt([&] {

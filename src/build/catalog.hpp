@@ -1,31 +1,28 @@
 // What the ranks know about the input once it has been read: where its blocks lie in scratch, and counts.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "geometry/lattice.hpp"
-#include "geometry/point.hpp"
 #include "input/source.hpp"
-#include "mesh/mesh.hpp"
-#include "scratch/mapped_spool.hpp"
 #include "scratch/spool.hpp"
 
 namespace colossus::build {
 
 // Kinds of scratch records.
 enum class RecordKind : std::uint32_t {
-  kRawVertices = 1,    // as read: doubles
-  kTriangles = 2,      // indices within the file
-  kVertices = 3,       // mesh::Vertex, on the lattice
-  kFinalVertices = 4,  // the same with all normals, equal attributes at equal positions
-  kBucket = 5,         // BucketTriangle
-  kMesh = 6,           // a SampledMesh
-  kChunk = 7,          // a frame of the container
-  kRim = 8,            // positions of the vertices that a cube shares
+  kRawVertices = 1,     // as read: doubles
+  kTriangles = 2,       // indices within the file
+  kGroupTriangles = 3,  // indices into the group's vertices
+  kRequest = 4,         // offsets within a range of vertices
+  kAnswer = 5,          // the same offsets, and the vertices there
+  kMesh = 6,            // a SampledMesh
+  kChunk = 7,           // a frame of the container
+  kRim = 8,             // positions of the vertices that a cube shares
+  kPiece = 9,           // a Piece: triangles of one bucket
+  kAttributes = 10,     // mesh::Vertex, for a neighbour
 };
 
 // Consecutive vertices of all files, numbered through.
@@ -61,10 +58,11 @@ struct InputCounts {
   std::uint64_t duplicate = 0;    // dropped
   std::uint64_t border_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
-  std::uint64_t split_edges = 0;      // too long for their cubes (blocks)
-  std::uint64_t merged_vertices = 0;  // vertices at a position that an earlier one has
-  std::uint64_t attribute_seams =
-      0;  // positions whose vertices had different attributes, which were averaged
+  std::uint64_t split_edges = 0;  // too long for their cubes (blocks)
+  // Of the vertices that triangles with three corners use: those at a position that another one has, and
+  // positions whose vertices had different attributes, which were averaged.
+  std::uint64_t merged_vertices = 0;
+  std::uint64_t attribute_seams = 0;
 };
 
 struct Catalog {
@@ -76,32 +74,6 @@ struct Catalog {
   InputCounts counts;
   bool has_normals = false;  // at least one file has them; the others' are computed
   bool has_colors = false;
-};
-
-// Random access to the vertices of all files through mapped scratch records.
-class VertexStore {
- public:
-  VertexStore(const std::vector<VertexBlockRef>& blocks, scratch::MappedSpool& spool) : blocks_(&blocks) {
-    for (const VertexBlockRef& block : blocks) spans_.push_back(spool.map_array<mesh::Vertex>(block.record));
-  }
-  const mesh::Vertex& operator[](std::uint64_t vertex) const {
-    const VertexBlockRef& hint = (*blocks_)[block_];
-    if (vertex - hint.first >= hint.count) block_ = find(vertex);
-    return spans_[block_][vertex - (*blocks_)[block_].first];
-  }
-  // Number of the block that holds a vertex.
-  std::size_t find(std::uint64_t vertex) const {
-    const auto after =
-        std::upper_bound(blocks_->begin(), blocks_->end(), vertex,
-                         [](std::uint64_t v, const VertexBlockRef& block) { return v < block.first; });
-    return static_cast<std::size_t>(after - blocks_->begin()) - 1;
-  }
-  std::span<const mesh::Vertex> block(std::size_t index) const { return spans_[index]; }
-
- private:
-  const std::vector<VertexBlockRef>* blocks_;
-  std::vector<std::span<const mesh::Vertex>> spans_;
-  mutable std::size_t block_ = 0;
 };
 
 }  // namespace colossus::build

@@ -21,6 +21,7 @@ struct BuildOptions {
   int position_bits = codec::kDefaultPositionBits;
   std::optional<double> tolerance;  // world units; chooses position_bits
   bool drop_textures = false;
+  std::optional<std::string> memory;  // per rank, see parse_size(); else a share of the host's
   // Of blocks alone.
   std::optional<int> levels;      // the deepest level, instead of the one that leaf_triangles gives
   std::optional<int> block_size;  // cubes along a block

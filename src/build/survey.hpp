@@ -10,15 +10,4 @@ namespace colossus::build {
 // there is no triangle at all. Collective.
 Catalog survey(const Workspace& workspace);
 
-// Phase 2: puts the vertices onto the lattice that fits the bounds, computes missing normals from the whole
-// mesh (area weighted, summed in 128-bit integers by position, so that they depend on no order), and averages
-// the attributes of vertices at one position. Replaces the catalogue's vertex blocks; fills lattice and
-// counts. Collective.
-void place_on_lattice(const Workspace& workspace, Catalog& catalog);
-
-// Rounds all coordinates to multiples of `spacing`, a power of two, and merges the attributes of vertices
-// that this puts at one position. Replaces the catalogue's vertex blocks; the counts stay those of the input.
-// Collective.
-void round_positions(const Workspace& workspace, Catalog& catalog, std::int32_t spacing);
-
 }  // namespace colossus::build

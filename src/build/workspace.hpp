@@ -14,6 +14,7 @@ struct Workspace {
   std::filesystem::path scratch;
   scratch::SpoolWriter& writer;
   scratch::SpoolReader& reader;
+  std::uint64_t memory_bytes;  // that this rank may use
 };
 
 // Sends what rank 0 has to all ranks. Collective.
@@ -34,15 +35,6 @@ void broadcast_value(const cluster::Communicator& ranks, T& value) {
   std::vector<T> values{value};
   broadcast_values(ranks, values);
   value = values.at(0);
-}
-
-// The part `rank` of `size` of `count` items dealt out in turn; the order of items is the same for any number
-// of ranks.
-template <typename Visit>
-void for_my_share(const cluster::Communicator& ranks, std::size_t count, const Visit& visit) {
-  for (std::size_t i = static_cast<std::size_t>(ranks.rank()); i < count;
-       i += static_cast<std::size_t>(ranks.size()))
-    visit(i);
 }
 
 }  // namespace colossus::build

@@ -34,6 +34,9 @@ void add_build(CLI::App& app, Action& chosen) {
       ->capture_default_str();
   command->add_flag("--drop-textures", options->drop_textures,
                     "Accept texture coordinates and materials, and drop them");
+  command->add_option(
+      "--memory", options->memory,
+      "Most memory per rank, e.g. 512M or 2G, at least 256M; default: its share of the host's");
   command->callback([&chosen, options] {
     chosen = [options](int& argc, char**& argv) {
       return cluster::run_ranks(argc, argv, [&](cluster::Communicator& ranks) {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "build/blocks/levels.hpp"
-#include "build/survey.hpp"
 #include "core/log.hpp"
 
 namespace colossus::build {
@@ -27,12 +26,12 @@ void check_blocks(const BuildOptions& options) {
 }
 
 Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
-  const Grid grid = choose_grid(workspace, catalog);
-  const std::vector<VertexBlockRef> unrounded = catalog.vertex_blocks;
-  round_positions(workspace, catalog, grid.spacing());
+  std::vector<TriangleGroup> groups = join_vertices(workspace, catalog);
+  const Grid grid = choose_grid(workspace, catalog, groups);
   core::log("grid: {} levels of cubes, positions rounded to {}", grid.levels,
             catalog.lattice.step * grid.spacing());
-  const CubePartition partition = partition_cubes(workspace, catalog, grid, unrounded);
+  const CubePartition partition = partition_cubes(workspace, catalog, grid, groups);
+  groups = {};
   const InputCounts& c = catalog.counts;
   core::log(
       "partition: {} degenerate and {} duplicate triangles dropped; {} border and {} non-manifold edges; {} "

@@ -4,11 +4,8 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include "build/blocks/blocks.hpp"
-#include "build/bucket_mesh.hpp"
-#include "build/buckets.hpp"
 #include "build/phase.hpp"
 #include "core/log.hpp"
 
@@ -59,13 +56,12 @@ struct LevelCensus {
   }
 };
 
-LevelCensus take_census(const Workspace& workspace, const TriangleBlockRef& block, const VertexStore& store) {
+LevelCensus take_census(const Piece& group) {
   LevelCensus census;
-  const Bytes bytes = workspace.reader.read(block.record);
-  for (const auto& t : ByteReader(bytes).get_array<mesh::Triangle>(block.count)) {
-    const Point& p = store[block.first_vertex + t[0]].position;
-    const Point& q = store[block.first_vertex + t[1]].position;
-    const Point& r = store[block.first_vertex + t[2]].position;
+  for (const mesh::Triangle& t : group.triangles) {
+    const Point& p = group.vertices[t[0]].position;
+    const Point& q = group.vertices[t[1]].position;
+    const Point& r = group.vertices[t[2]].position;
     if (mesh::is_degenerate(p, q, r)) continue;
     ++census.triangles;
     const std::int64_t longest = longest_side(p, q, r);
@@ -187,21 +183,21 @@ class LongEdgeSplitter {
   std::uint64_t count_ = 0;
 };
 
-struct BucketResult {
-  std::array<std::uint64_t, 4> counts{};  // duplicates, border and non-manifold edges, split edges
+struct CubesResult {
+  std::uint64_t split_edges = 0;
   std::int64_t longest_edge = 0;
   std::vector<CubeRecord> cubes;
   Bytes to_bytes() const {
     ByteWriter writer;
-    writer.put(counts);
+    writer.put(split_edges);
     writer.put(longest_edge);
     writer.put_array<CubeRecord>(cubes);
     return writer.take();
   }
-  static BucketResult from_bytes(const Bytes& bytes) {
+  static CubesResult from_bytes(const Bytes& bytes) {
     ByteReader reader(bytes);
-    BucketResult result;
-    result.counts = reader.get<std::array<std::uint64_t, 4>>();
+    CubesResult result;
+    result.split_edges = reader.get<std::uint64_t>();
     result.longest_edge = reader.get<std::int64_t>();
     result.cubes = reader.get_array<CubeRecord>(reader.remaining() / sizeof(CubeRecord));
     COLOSSUS_CHECK(!reader.failed());
@@ -231,7 +227,7 @@ mesh::Mesh mesh_of_cube(const mesh::Mesh& bucket, std::span<const std::uint32_t>
 }
 
 void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& cube, const mesh::Mesh& mesh,
-                     BucketResult& out) {
+                     CubesResult& out) {
   struct Assigned {
     CubeId id;
     std::uint32_t triangle;
@@ -265,21 +261,13 @@ void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& c
 
 std::int64_t Grid::longest_edge() const { return longest_edge_at(levels); }
 
-Grid choose_grid(const Workspace& workspace, const Catalog& catalog) {
-  scratch::MappedSpool mapped(workspace.scratch);
-  std::optional<VertexStore> store;
-  workspace.ranks.attempt([&] { store.emplace(catalog.vertex_blocks, mapped); });
+Grid choose_grid(const Workspace& workspace, const Catalog& catalog, std::span<const TriangleGroup> groups) {
   LevelCensus census;
   run_phase(
-      workspace, "census", workspace.options.levels ? 0 : catalog.triangle_blocks.size(),
-      [](std::size_t i) {
-        ByteWriter writer;
-        writer.put(i);
-        return writer.take();
-      },
+      workspace, "census", workspace.options.levels ? 0 : groups.size(),
+      [&](std::size_t i) { return group_task(groups[i]); },
       [&](std::span<const std::byte> task) {
-        const LevelCensus own =
-            take_census(workspace, catalog.triangle_blocks[ByteReader(task).get<std::size_t>()], *store);
+        const LevelCensus own = take_census(load_group(workspace, catalog, task));
         ByteWriter writer;
         writer.put(own.triangles);
         writer.put(own.with_long_edges);
@@ -306,40 +294,28 @@ Grid choose_grid(const Workspace& workspace, const Catalog& catalog) {
 }
 
 CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, const Grid& grid,
-                              const std::vector<VertexBlockRef>& unrounded) {
-  const std::vector<Bucket> buckets = fill_buckets(workspace, catalog, grid.levels);
-  scratch::MappedSpool mapped(workspace.scratch);
-  std::optional<VertexStore> store, store_unrounded;
-  workspace.ranks.attempt([&] {
-    store.emplace(catalog.vertex_blocks, mapped);
-    store_unrounded.emplace(unrounded, mapped);
-  });
-  const std::vector<std::size_t> filled = filled_buckets(buckets);
+                              std::span<const TriangleGroup> groups) {
+  const Rounding rounding{grid.spacing()};
+  Buckets filled = fill_buckets(workspace, catalog, groups, rounding, grid.levels);
+  const std::vector<BucketRecord> buckets = give_attributes(workspace, catalog, std::move(filled), rounding);
   CubePartition partition;
-  std::array<std::uint64_t, 4> counts{};
   run_phase(
-      workspace, "partition", filled.size(), [&](std::size_t i) { return bucket_task(buckets[filled[i]]); },
+      workspace, "partition", buckets.size(), [&](std::size_t i) { return bucket_task(buckets[i]); },
       [&](std::span<const std::byte> task) {
-        const Bucket own = bucket_of_task(task);
-        BucketMesh bucket(workspace, *store, own.cube, own.records, &*store_unrounded);
-        BucketResult out;
-        out.counts = {bucket.duplicates(), bucket.border_edges(), bucket.nonmanifold_edges(),
-                      LongEdgeSplitter(grid, own.cube, bucket.mesh()).run()};
-        assign_to_cubes(workspace, grid, own.cube, bucket.mesh(), out);
+        LoadedBucket bucket = load_bucket(workspace, task);
+        CubesResult out;
+        out.split_edges = LongEdgeSplitter(grid, bucket.cube, bucket.mesh).run();
+        assign_to_cubes(workspace, grid, bucket.cube, bucket.mesh, out);
         return out.to_bytes();
       },
       [&](std::size_t, const Bytes& bytes) {
-        const BucketResult result = BucketResult::from_bytes(bytes);
-        for (std::size_t k = 0; k < counts.size(); ++k) counts[k] += result.counts[k];
+        const CubesResult result = CubesResult::from_bytes(bytes);
+        catalog.counts.split_edges += result.split_edges;
         partition.longest_edge = std::max(partition.longest_edge, result.longest_edge);
         partition.cubes.insert(partition.cubes.end(), result.cubes.begin(), result.cubes.end());
       });
   std::sort(partition.cubes.begin(), partition.cubes.end(),
             [](const CubeRecord& a, const CubeRecord& b) { return a.id < b.id; });
-  catalog.counts.duplicate = counts[0];
-  catalog.counts.border_edges = counts[1];
-  catalog.counts.nonmanifold_edges = counts[2];
-  catalog.counts.split_edges = counts[3];
   broadcast_value(workspace.ranks, catalog.counts);
   return partition;
 }

@@ -2,8 +2,8 @@
 // 3.2.3).
 #pragma once
 
+#include "build/attributes.hpp"
 #include "build/blocks/cube_store.hpp"
-#include "build/catalog.hpp"
 
 namespace colossus::build {
 
@@ -23,7 +23,7 @@ struct Grid {
 // The smallest level with on average at most --leaf-triangles per cube that is not empty; lowered while more
 // than one triangle in a hundred has an edge that is too long for its cubes. --levels overrides it.
 // Collective.
-Grid choose_grid(const Workspace& workspace, const Catalog& catalog);
+Grid choose_grid(const Workspace& workspace, const Catalog& catalog, std::span<const TriangleGroup> groups);
 
 struct CubePartition {
   std::vector<CubeRecord> cubes;  // on rank 0, in order
@@ -31,9 +31,9 @@ struct CubePartition {
 };
 
 // Assigns each triangle to the cube that holds its barycentre. Edges that are too long are split at their
-// middles first, which depends on nothing but their ends, and counted. Fills the catalogue's counts like the
-// diamonds' partition. `unrounded`: the vertices before they were rounded to the grid. Collective.
+// middles first, which depends on nothing but their ends, and counted. Positions are rounded to the grid.
+// Fills the catalogue's counts like the diamonds' partition. Collective.
 CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, const Grid& grid,
-                              const std::vector<VertexBlockRef>& unrounded);
+                              std::span<const TriangleGroup> groups);
 
 }  // namespace colossus::build

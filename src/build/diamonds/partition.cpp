@@ -1,11 +1,9 @@
 #include "build/diamonds/partition.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <unordered_map>
 
-#include "build/bucket_mesh.hpp"
-#include "build/buckets.hpp"
+#include "build/attributes.hpp"
 #include "build/phase.hpp"
 #include "mesh/clip.hpp"
 
@@ -28,27 +26,20 @@ constexpr double kMostGrowth = 8.0;
 struct Refinement {
   std::vector<TetrahedronRecord> leaves;
   std::vector<Point> splits;
-  std::uint64_t duplicates = 0;
-  std::uint64_t border_edges = 0;
-  std::uint64_t nonmanifold_edges = 0;
 
   Bytes to_bytes() const {
     ByteWriter writer;
-    writer.put(std::array<std::uint64_t, 5>{leaves.size(), splits.size(), duplicates, border_edges,
-                                            nonmanifold_edges});
+    writer.put(std::array<std::uint64_t, 2>{leaves.size(), splits.size()});
     writer.put_array<TetrahedronRecord>(leaves);
     writer.put_array<Point>(splits);
     return writer.take();
   }
   static Refinement from_bytes(const Bytes& bytes) {
     ByteReader reader(bytes);
-    const auto counts = reader.get<std::array<std::uint64_t, 5>>();
+    const auto counts = reader.get<std::array<std::uint64_t, 2>>();
     Refinement refinement;
     refinement.leaves = reader.get_array<TetrahedronRecord>(counts[0]);
     refinement.splits = reader.get_array<Point>(counts[1]);
-    refinement.duplicates = counts[2];
-    refinement.border_edges = counts[3];
-    refinement.nonmanifold_edges = counts[4];
     COLOSSUS_CHECK(!reader.failed());
     return refinement;
   }
@@ -201,35 +192,22 @@ class Partitioner {
 
  private:
   void cut_buckets() {
-    const std::vector<Bucket> buckets = fill_buckets(workspace_, catalog_, hierarchy::kMaxLevel / 3);
-    const std::vector<std::size_t> filled = filled_buckets(buckets);
-    scratch::MappedSpool mapped(workspace_.scratch);
-    std::optional<VertexStore> store;
-    workspace_.ranks.attempt([&] { store.emplace(catalog_.vertex_blocks, mapped); });
-    std::vector<Refinement> results(filled.size());
+    std::vector<TriangleGroup> groups = join_vertices(workspace_, catalog_);
+    Buckets filled = fill_buckets(workspace_, catalog_, groups, {}, hierarchy::kMaxLevel / 3);
+    groups = {};
+    const std::vector<BucketRecord> buckets = give_attributes(workspace_, catalog_, std::move(filled), {});
+    std::vector<Refinement> results(buckets.size());
     run_phase(
-        workspace_, "partition", filled.size(),
-        [&](std::size_t i) { return bucket_task(buckets[filled[i]]); },
+        workspace_, "partition", buckets.size(), [&](std::size_t i) { return bucket_task(buckets[i]); },
         [&](std::span<const std::byte> task) {
-          const Bucket own = bucket_of_task(task);
-          const Cube& cube = own.cube;
-          BucketMesh bucket(workspace_, *store, cube, own.records);
+          LoadedBucket bucket = load_bucket(workspace_, task);
           Refinement out;
-          out.duplicates = bucket.duplicates();
-          out.border_edges = bucket.border_edges();
-          out.nonmanifold_edges = bucket.nonmanifold_edges();
           Refiner refiner(workspace_, partition_.splits);
-          BucketCutter(cube, refiner, out).cut(std::move(bucket.mesh()));
+          BucketCutter(bucket.cube, refiner, out).cut(std::move(bucket.mesh));
           return out.to_bytes();
         },
         [&](std::size_t i, Bytes result) { results[i] = Refinement::from_bytes(result); });
-    for (Refinement& result : results) {
-      catalog_.counts.duplicate += result.duplicates;
-      catalog_.counts.border_edges += result.border_edges;
-      catalog_.counts.nonmanifold_edges += result.nonmanifold_edges;
-      take(std::move(result));
-    }
-    broadcast_value(workspace_.ranks, catalog_.counts);
+    for (Refinement& result : results) take(std::move(result));
     share_splits();
   }
 

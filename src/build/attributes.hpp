@@ -1,0 +1,31 @@
+// Phase 4: gives every position of the mesh its normal and colour, each in the bucket that owns it.
+#pragma once
+
+#include "build/bucket_mesh.hpp"
+
+namespace colossus::build {
+
+// A bucket's mesh in scratch, and what its neighbours wrote for it.
+struct BucketRecord {
+  Cube cube;
+  std::uint64_t triangle_count = 0;
+  scratch::RecordRef mesh;
+  std::vector<scratch::RecordRef> from_neighbors;  // positions that they own, with attributes
+};
+
+// Makes the meshes of all buckets, see BucketMesh, and has them tell each other the attributes of positions
+// that triangles share. On rank 0: the buckets that are not empty, the largest first, so that none of them
+// starts last. Completes the catalogue's counts of triangles, edges and vertices, on all ranks. Throws
+// Error(kNoResources) when a bucket is too crowded for the memory limit. Collective.
+std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& catalog, Buckets&& buckets,
+                                          const Rounding& rounding);
+
+// A bucket as a task, and its mesh with all attributes.
+core::Bytes bucket_task(const BucketRecord& bucket);
+struct LoadedBucket {
+  Cube cube;
+  mesh::Mesh mesh;
+};
+LoadedBucket load_bucket(const Workspace& workspace, std::span<const std::byte> task);
+
+}  // namespace colossus::build
