@@ -44,7 +44,7 @@ Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
   settings.grid = grid;
   settings.has_colors = catalog.has_colors;
   settings.color_weight = workspace.options.color_weight;
-  settings.leaf_error =
+  settings.rounding_error =
       catalog.lattice.input_error() + std::sqrt(3.0) / 2.0 * grid.spacing() * catalog.lattice.step;
   const int block_size = workspace.options.block_size.value_or(kDefaultBlockSize);
   Hierarchy hierarchy = build_block_levels(workspace, settings, block_size, partition);

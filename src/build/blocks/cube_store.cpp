@@ -29,7 +29,8 @@ std::vector<std::uint32_t> order_cube(mesh::Mesh& mesh) {
   return before;
 }
 
-CubeRecord store_cube(const Workspace& workspace, const hierarchy::CubeId& id, const SampledMesh& content) {
+CubeRecord store_cube(const Workspace& workspace, const hierarchy::CubeId& id, const SampledMesh& content,
+                      double displacement) {
   const mesh::Mesh& mesh = content.mesh;
   std::vector<bool> is_rim(mesh.vertices.size(), true);
   for (const mesh::Triangle& t : mesh.triangles)
@@ -41,6 +42,7 @@ CubeRecord store_cube(const Workspace& workspace, const hierarchy::CubeId& id, c
     if (is_rim[v]) rim.push_back(mesh.vertices[v].position);
   CubeRecord record;
   record.id = id;
+  record.displacement = displacement;
   record.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
   record.vertices = static_cast<std::uint32_t>(mesh.vertices.size());
   record.mesh = store(workspace, content);

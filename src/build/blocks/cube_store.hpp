@@ -15,13 +15,17 @@ struct CubeRecord {
   // Positions of the vertices that other cubes may use too: those on border edges of the cube's triangles,
   // and those that no triangle uses.
   scratch::RecordRef rim;
+  // By how much rounding the middles of split edges has moved the input's surface, lattice units; of the cube
+  // or of those below it.
+  double displacement = 0.0;
 };
 
 // Triangles into vertex-cache order, vertices into order of first use, those that no triangle uses after
 // them. Returns for each vertex its number before.
 std::vector<std::uint32_t> order_cube(mesh::Mesh& mesh);
 
-CubeRecord store_cube(const Workspace& workspace, const hierarchy::CubeId& id, const SampledMesh& content);
+CubeRecord store_cube(const Workspace& workspace, const hierarchy::CubeId& id, const SampledMesh& content,
+                      double displacement);
 
 std::vector<geometry::Point> load_rim(const Workspace& workspace, const scratch::RecordRef& record);
 

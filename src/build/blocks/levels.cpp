@@ -20,7 +20,8 @@ class BlockLevelBuilder {
   BlockLevelBuilder(const Workspace& workspace, const BlockSettings& settings, int block_size,
                     const CubePartition& partition)
       : workspace_(workspace), settings_(settings), block_size_(block_size) {
-    for (const CubeRecord& cube : partition.cubes) cubes_.push_back({cube, settings.leaf_error});
+    for (const CubeRecord& cube : partition.cubes)
+      cubes_.push_back({cube, settings.input_error(cube.displacement)});
     sigma_ = in_cubes(partition.longest_edge, settings.grid.levels);
   }
 

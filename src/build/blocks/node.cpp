@@ -37,6 +37,7 @@ class Block {
       contents_.push_back(load(workspace, cube.record.mesh));
       if (cube.record.id.level == settings.grid.levels) add_missing_samples(contents_.back());
       error_ = std::max(error_, cube.error);
+      displacement_ = std::max(displacement_, cube.record.displacement);
     }
   }
 
@@ -114,7 +115,8 @@ class Block {
     result_.statistics.reached_triangles = outcome.final_triangles;
     result_.statistics.initial_vertices = outcome.initial_vertices;
     result_.statistics.locked_vertices = outcome.locked_vertices;
-    error_ = std::max(error_, outcome.deviation * settings_.lattice.step + settings_.leaf_error);
+    error_ =
+        std::max(error_, outcome.deviation * settings_.lattice.step + settings_.input_error(displacement_));
     for (std::size_t v = 0; v < before.size(); ++v)
       result_.farthest_parent =
           std::max(result_.farthest_parent,
@@ -170,7 +172,7 @@ class Block {
       }
       simplify::thin_out(parent.samples, kSamplesPerMesh);
       for (const auto v : members) numbers[v] = kNone;
-      result_.parents.push_back({store_cube(workspace_, parents_[p], parent), error_});
+      result_.parents.push_back({store_cube(workspace_, parents_[p], parent, displacement_), error_});
     }
   }
 
@@ -233,7 +235,7 @@ class Block {
     row.checksum = chunk.checksum;
     node.chunk = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
     node.statistics.angles = simplify::count_small_angles(mesh);
-    node.displacement = settings_.leaf_error;
+    node.displacement = settings_.input_error(cube.record.displacement);
     return node;
   }
 
@@ -242,6 +244,7 @@ class Block {
   const BlockTask& task_;
   std::vector<SampledMesh> contents_;  // by cube
   double error_ = 0.0;
+  double displacement_ = 0.0;  // see CubeRecord
   std::vector<CubeId> parents_;
   std::vector<std::uint32_t> welded_;  // per vertex of all cubes: the region's
   simplify::Region region_;

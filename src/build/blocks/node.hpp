@@ -36,8 +36,10 @@ struct BlockSettings {
   geometry::Lattice lattice;
   Grid grid;
   bool has_colors = false;
-  double color_weight = 0.0;  // see simplify::Region
-  double leaf_error = 0.0;    // world units: by which the lattice and rounding have moved the input
+  double color_weight = 0.0;    // see simplify::Region
+  double rounding_error = 0.0;  // world units: by which the lattice and the grid have moved the vertices
+  // By which the input has moved where splits have moved it by so much; world units.
+  double input_error(double displacement) const { return rounding_error + displacement * lattice.step; }
 };
 
 // Simplifies the block to a quarter of its triangles with its border locked, splits the result into the

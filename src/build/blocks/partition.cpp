@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "build/blocks/blocks.hpp"
+#include "build/blocks/long_edges.hpp"
 #include "build/phase.hpp"
 #include "core/log.hpp"
 
@@ -105,84 +105,6 @@ int choose_position_bits(const BuildOptions& options, const Catalog& catalog, in
   return most;
 }
 
-// Splits the edges of a mesh that are too long at their middles, round by round.
-class LongEdgeSplitter {
- public:
-  LongEdgeSplitter(const Grid& grid, const Cube& cube, mesh::Mesh& mesh)
-      : grid_(grid), cube_(cube), mesh_(mesh) {}
-
-  // Returns how many edges were split whose lesser end lies in the cube.
-  std::uint64_t run() {
-    while (split_once()) {
-    }
-    return count_;
-  }
-
- private:
-  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
-  bool split_once() {
-    const std::int64_t longest = grid_.longest_edge();
-    std::vector<mesh::Triangle> triangles;
-    middles_.clear();
-    for (const mesh::Triangle& t : mesh_.triangles) {
-      std::array<std::uint32_t, 3> middle{kNone, kNone, kNone};
-      for (std::size_t k = 0; k < 3; ++k)
-        if (hierarchy::max_distance(at(t[k]), at(t[(k + 1) % 3])) > longest)
-          middle[k] = middle_of(t[k], t[(k + 1) % 3]);
-      divide(t, middle, triangles);
-    }
-    const bool has_split = !middles_.empty();
-    mesh_.triangles = std::move(triangles);
-    if (has_split) mesh::weld(mesh_);
-    return has_split;
-  }
-
-  const Point& at(std::uint32_t v) const { return mesh_.vertices[v].position; }
-
-  std::uint32_t middle_of(std::uint32_t a, std::uint32_t b) {
-    const auto [entry, is_new] =
-        middles_.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh_.vertices.size()));
-    if (!is_new) return entry->second;
-    // The order of the ends must not matter.
-    const bool is_forth = at(a) < at(b);
-    mesh::Vertex middle = mesh::middle_of(mesh_.vertices[is_forth ? a : b], mesh_.vertices[is_forth ? b : a]);
-    for (int axis = 0; axis < 3; ++axis) middle.position[axis] &= ~(grid_.spacing() - 1);
-    if (cube_.contains(std::min(at(a), at(b)))) ++count_;
-    mesh_.vertices.push_back(middle);
-    return entry->second;
-  }
-
-  // middle[k] is that of the edge from corner k.
-  static void divide(const mesh::Triangle& t, const std::array<std::uint32_t, 3>& middle,
-                     std::vector<mesh::Triangle>& out) {
-    const auto count = std::count_if(middle.begin(), middle.end(), [](auto m) { return m != kNone; });
-    if (count == 0) {
-      out.push_back(t);
-    } else if (count == 3) {
-      for (std::size_t k = 0; k < 3; ++k) out.push_back({t[k], middle[k], middle[(k + 2) % 3]});
-      out.push_back({middle[0], middle[1], middle[2]});
-    } else {
-      // Turned so that the first edge is split, and the last is not.
-      std::size_t k = 0;
-      while (middle[k] == kNone || middle[(k + 2) % 3] != kNone) ++k;
-      const auto [a, b, c] = std::array{t[k], t[(k + 1) % 3], t[(k + 2) % 3]};
-      const std::uint32_t ab = middle[k], bc = middle[(k + 1) % 3];
-      if (count == 1) {
-        out.insert(out.end(), {{a, ab, c}, {ab, b, c}});
-      } else {
-        out.insert(out.end(), {{ab, b, bc}, {a, ab, bc}, {a, bc, c}});
-      }
-    }
-  }
-
-  Grid grid_;
-  Cube cube_;
-  mesh::Mesh& mesh_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles_;
-  std::uint64_t count_ = 0;
-};
-
 struct CubesResult {
   std::uint64_t split_edges = 0;
   std::int64_t longest_edge = 0;
@@ -227,7 +149,7 @@ mesh::Mesh mesh_of_cube(const mesh::Mesh& bucket, std::span<const std::uint32_t>
 }
 
 void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& cube, const mesh::Mesh& mesh,
-                     CubesResult& out) {
+                     const LongEdgeSplitter& splitter, CubesResult& out) {
   struct Assigned {
     CubeId id;
     std::uint32_t triangle;
@@ -250,10 +172,14 @@ void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& c
   for (std::size_t i = 0; i < assigned.size();) {
     const CubeId id = assigned[i].id;
     triangles.clear();
-    for (; i < assigned.size() && assigned[i].id == id; ++i) triangles.push_back(assigned[i].triangle);
+    double displacement = 0.0;
+    for (; i < assigned.size() && assigned[i].id == id; ++i) {
+      triangles.push_back(assigned[i].triangle);
+      displacement = std::max(displacement, splitter.displacement(assigned[i].triangle));
+    }
     SampledMesh content{mesh_of_cube(mesh, triangles, renumbered), {}};
     order_cube(content.mesh);
-    out.cubes.push_back(store_cube(workspace, id, content));
+    out.cubes.push_back(store_cube(workspace, id, content, displacement));
   }
 }
 
@@ -304,8 +230,9 @@ CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, cons
       [&](std::span<const std::byte> task) {
         LoadedBucket bucket = load_bucket(workspace, task);
         CubesResult out;
-        out.split_edges = LongEdgeSplitter(grid, bucket.cube, bucket.mesh).run();
-        assign_to_cubes(workspace, grid, bucket.cube, bucket.mesh, out);
+        LongEdgeSplitter splitter(grid.longest_edge(), grid.spacing(), bucket.mesh);
+        out.split_edges = splitter.run(bucket.cube);
+        assign_to_cubes(workspace, grid, bucket.cube, bucket.mesh, splitter, out);
         return out.to_bytes();
       },
       [&](std::size_t, const Bytes& bytes) {

@@ -31,8 +31,8 @@ struct CubePartition {
 };
 
 // Assigns each triangle to the cube that holds its barycentre. Edges that are too long are split at their
-// middles first, which depends on nothing but their ends, and counted. Positions are rounded to the grid.
-// Fills the catalogue's counts like the diamonds' partition. Collective.
+// middles, rounded to the grid, first, which depends on nothing but their ends, and counted. Positions are
+// rounded to the grid. Fills the catalogue's counts like the diamonds' partition. Collective.
 CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, const Grid& grid,
                               std::span<const TriangleGroup> groups);
 
