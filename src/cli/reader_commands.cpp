@@ -70,10 +70,16 @@ auto chosen_cut(const Statue& statue, const ExtractArguments& arguments) {
                     reader::Eye{{arguments.eye[0], arguments.eye[1], arguments.eye[2]}, arguments.kappa});
 }
 
+constexpr const char* name_of_parts(const reader::Statue&) { return "tetrahedra"; }
+constexpr const char* name_of_parts(const reader::CubeStatue&) { return "cubes"; }
+
 template <typename Statue>
 int extract_cut(const Statue& statue, const ExtractArguments& arguments) {
   const auto cut = chosen_cut(statue, arguments);
   if (!cut.warning.empty()) core::warn("{}", cut.warning);
+  const std::vector<std::uint64_t> parts = parts_by_level(statue, cut);
+  for (std::size_t level = 0; level < parts.size(); ++level)
+    if (parts[level] > 0) core::log("level {}: {} {}", level, parts[level], name_of_parts(statue));
   const reader::ExtractResult result = extract(statue, cut, arguments.output);
   core::log("{}: {} vertices, {} triangles{}", arguments.output, result.vertices, result.triangles,
             result.has_doubles ? ", positions as doubles" : "");

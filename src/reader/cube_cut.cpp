@@ -137,4 +137,11 @@ CubeCut cut_at_eye(const CubeStatue& statue, const Eye& eye) {
   return cut;
 }
 
+std::vector<std::uint64_t> parts_by_level(const CubeStatue& statue, const CubeCut& cut) {
+  std::vector<std::uint64_t> counts(statue.deepest_level() + 1, 0);
+  for (const RowIndex row : cut.rows)
+    if (const container::NodeRow& node = statue.rows()[row]; node.triangles > 0) ++counts[node.level];
+  return counts;
+}
+
 }  // namespace colossus::reader

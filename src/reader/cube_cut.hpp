@@ -66,4 +66,7 @@ double default_kappa(const CubeStatue& statue);
 // are looked at else. Throws Error(kUsage) that tells the least legal value when kappa is less.
 CubeCut cut_at_eye(const CubeStatue& statue, const Eye& eye);
 
+// How many cubes of each level the cut draws triangles of, from the root on.
+std::vector<std::uint64_t> parts_by_level(const CubeStatue& statue, const CubeCut& cut);
+
 }  // namespace colossus::reader

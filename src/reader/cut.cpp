@@ -1,6 +1,7 @@
 #include "reader/cut.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <queue>
 
@@ -167,6 +168,14 @@ Cut cut_at_eye(const Statue& statue, const Eye& eye) {
     const double side = std::ldexp(root_side, -static_cast<int>(node.level / 3));
     return distance_to_bounds(eye.position, node.bounds) < kappa * side;
   });
+}
+
+std::vector<std::uint64_t> parts_by_level(const Statue& statue, const Cut& cut) {
+  std::vector<std::uint64_t> counts(statue.deepest_level() + 1, 0);
+  for (RowIndex row = 0; row < statue.rows().size(); ++row)
+    counts[statue.rows()[row].level] +=
+        static_cast<std::uint64_t>(std::popcount(cut.active_places(statue, row)));
+  return counts;
 }
 
 std::uint64_t triangle_count(const Statue& statue, const Cut& cut) {

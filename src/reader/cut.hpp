@@ -45,6 +45,9 @@ Cut cut_with_triangles(const Statue& statue, std::uint64_t triangles);
 // kappa above 0 gives a conforming cut; others throw Error(kUsage).
 Cut cut_at_eye(const Statue& statue, const Eye& eye);
 
+// How many tetrahedra of each level the cut draws, from the root on.
+std::vector<std::uint64_t> parts_by_level(const Statue& statue, const Cut& cut);
+
 // Triangles of a cut, as stored. Throws like Statue::load().
 std::uint64_t triangle_count(const Statue& statue, const Cut& cut);
 

@@ -165,6 +165,25 @@ TEST(BlocksCut, DrawsSuitableCubesWithUnsuitableAncestors) {
   }
 }
 
+TEST(BlocksCut, CountsTheCubesThatItDraws) {
+  BlocksFixture fixture(torus(128, 40));
+  // A cube that is there for its vertices only.
+  fixture.nodes.rbegin()->second.mesh.triangles.clear();
+  const auto statue = fixture.open();
+  const std::uint64_t finest = statue->rows_of_level(3).size();
+  EXPECT_EQ(parts_by_level(*statue, cut_at_level(*statue, 3)),
+            (std::vector<std::uint64_t>{0, 0, 0, finest - 1}));
+  const auto& bounds = statue->rows()[0].bounds;
+  const CubeCut cut = cut_at_eye(*statue, {{bounds[0], bounds[1], bounds[2]}, 2.0});
+  const std::vector<std::uint64_t> parts = parts_by_level(*statue, cut);
+  ASSERT_EQ(parts.size(), 4U);
+  std::set<int> drawn;
+  for (int level = 0; level <= 3; ++level)
+    if (parts[static_cast<std::size_t>(level)] > 0) drawn.insert(level);
+  EXPECT_GT(drawn.size(), 1U);
+  EXPECT_EQ(drawn, levels_of(*statue, cut));
+}
+
 TEST(BlocksCut, MorphedCutsOfAClosedSurfaceAreClosed) {
   BlocksFixture fixture(torus(288, 88), 4);
   const auto statue = fixture.open();

@@ -84,6 +84,17 @@ TEST(Cut, EveryLevelIsClosed) {
         EXPECT_TRUE(own == level || (own < level && statue->is_leaf(row)));
         EXPECT_EQ(cut.active_places(*statue, row), statue->rows()[row].tetra_mask);
       }
+    const std::vector<std::uint64_t> parts = parts_by_level(*statue, cut);
+    ASSERT_EQ(parts.size(), statue->deepest_level() + 1);
+    for (std::uint32_t own = 0; own < parts.size(); ++own) {
+      std::uint64_t tetrahedra = 0;
+      for (RowIndex row = 0; row < statue->rows().size(); ++row)
+        if (statue->rows()[row].level == own && (own == level || (own < level && statue->is_leaf(row))))
+          for (int mask = statue->rows()[row].tetra_mask; mask != 0; mask >>= 1) tetrahedra += mask & 1;
+      if (level <= statue->deepest_level()) {
+        EXPECT_EQ(parts[own], tetrahedra) << own;
+      }
+    }
   }
 }
 
