@@ -78,9 +78,10 @@ std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const
                catalog.files.size() == 1 ? catalog.files[0].name : "all inputs", catalog.counts.triangles);
   container::ContainerWriter writer(workspace.options.output);
   std::vector<container::NodeRow> rows;
-  for (const FinishedNode& node : hierarchy.nodes) rows.push_back(node.row);
+  rows.reserve(hierarchy.nodes.size());
+  for (const StoredNode& node : hierarchy.nodes) rows.push_back(node.row);
   writer.add_nodes(metadata_of(workspace.options, catalog, scheme, hierarchy), std::move(rows));
-  for (const FinishedNode& node : hierarchy.nodes) writer.append_chunk(workspace.reader.read(node.chunk));
+  for (const StoredNode& node : hierarchy.nodes) writer.append_chunk(workspace.reader.read(node.chunk));
   writer.commit();
   return std::filesystem::file_size(workspace.options.output);
 }

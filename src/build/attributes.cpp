@@ -94,6 +94,13 @@ std::vector<std::size_t> filled_buckets(const std::vector<Bucket>& buckets) {
   return filled;
 }
 
+std::string crowd_text(const Catalog& catalog, const Bucket& bucket) {
+  const double side = static_cast<double>(geometry::kRootSide >> bucket.cube.depth);
+  const auto low = catalog.lattice.world({side * bucket.cube.x, side * bucket.cube.y, side * bucket.cube.z});
+  return fmt::format("a cube of side {} at {} {} {}, in which {} triangles crowd,",
+                     side * catalog.lattice.step, low[0], low[1], low[2], bucket.triangle_count);
+}
+
 Bytes mesh_task(const Bucket& bucket) {
   ByteWriter writer;
   writer.put(bucket.cube);
@@ -111,7 +118,12 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
   for (std::size_t i = 0; i < filled.size(); ++i) record_of[filled[i]] = i;
   run_phase(
       workspace, "attributes", filled.size(),
-      [&](std::size_t i) { return mesh_task(buckets.buckets[filled[i]]); },
+      [&](std::size_t i) {
+        const Bucket& bucket = buckets.buckets[filled[i]];
+        require_memory(workspace, bucket_mesh_bytes(bucket.triangle_count, bucket.vertex_count),
+                       crowd_text(catalog, bucket));
+        return mesh_task(bucket);
+      },
       [&](std::span<const std::byte> task) {
         ByteReader reader(task);
         const auto cube = reader.get<Cube>();

@@ -49,6 +49,8 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme) {
   });
   report.nodes = hierarchy.nodes.size();
   broadcast_value(ranks, report);
+  core::log("memory: at most {} per rank of {}", size_text(greatest_peak_memory(ranks)),
+            size_text(workspace.memory_bytes));
   return report;
 }
 

@@ -36,7 +36,7 @@ void Hierarchy::add(std::uint32_t level, const NodeStatistics& own) {
 }
 
 void Hierarchy::sort() {
-  std::sort(nodes.begin(), nodes.end(), [](const FinishedNode& a, const FinishedNode& b) {
+  std::sort(nodes.begin(), nodes.end(), [](const StoredNode& a, const StoredNode& b) {
     return std::tie(a.row.level, a.row.center) < std::tie(b.row.level, b.row.center);
   });
 }

@@ -21,9 +21,13 @@ struct NodeStatistics {
   simplify::AngleCounts angles;  // of leaves too
 };
 
-struct FinishedNode {
+// What assembly needs of a node. Rank 0 keeps it for all nodes, to the end.
+struct StoredNode {
   container::NodeRow row;
   scratch::RecordRef chunk;
+};
+
+struct FinishedNode : StoredNode {
   NodeStatistics statistics;
   double displacement = 0.0;  // by quantisation, world units
 };
@@ -43,7 +47,7 @@ struct LevelStatistics {
 
 // Nodes and levels are on rank 0, the rest on all ranks.
 struct Hierarchy {
-  std::vector<FinishedNode> nodes;
+  std::vector<StoredNode> nodes;
   std::vector<LevelStatistics> levels;  // from the root on
   container::LatticeInfo lattice;       // on which decoded positions lie
   int position_bits = 0;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "build/blocks/levels.hpp"
+#include "build/memory.hpp"
 #include "core/log.hpp"
 
 namespace colossus::build {
@@ -30,14 +31,14 @@ Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
   const Grid grid = choose_grid(workspace, catalog, groups);
   core::log("grid: {} levels of cubes, positions rounded to {}", grid.levels,
             catalog.lattice.step * grid.spacing());
-  const CubePartition partition = partition_cubes(workspace, catalog, grid, groups);
+  CubePartition partition = partition_cubes(workspace, catalog, grid, groups);
   groups = {};
   const InputCounts& c = catalog.counts;
+  const std::uint64_t peak = greatest_peak_memory(workspace.ranks);
   core::log(
       "partition: {} degenerate and {} duplicate triangles dropped; {} border and {} non-manifold edges; {} "
-      "edges "
-      "too long for their cubes split",
-      c.degenerate, c.duplicate, c.border_edges, c.nonmanifold_edges, c.split_edges);
+      "edges too long for their cubes split, peak memory {} MB",
+      c.degenerate, c.duplicate, c.border_edges, c.nonmanifold_edges, c.split_edges, peak >> 20);
 
   BlockSettings settings;
   settings.lattice = catalog.lattice;
@@ -47,7 +48,7 @@ Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
   settings.rounding_error =
       catalog.lattice.input_error() + std::sqrt(3.0) / 2.0 * grid.spacing() * catalog.lattice.step;
   const int block_size = workspace.options.block_size.value_or(kDefaultBlockSize);
-  Hierarchy hierarchy = build_block_levels(workspace, settings, block_size, partition);
+  Hierarchy hierarchy = build_block_levels(workspace, settings, block_size, std::move(partition));
   hierarchy.lattice = {catalog.lattice.origin, catalog.lattice.step * grid.spacing(), grid.root_bits()};
   hierarchy.position_bits = grid.position_bits;
   hierarchy.options = {{"block_size", fmt::format("{}", block_size)},

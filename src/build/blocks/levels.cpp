@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <unordered_map>
 
+#include "build/memory.hpp"
 #include "build/phase.hpp"
 #include "core/log.hpp"
 
@@ -18,10 +18,11 @@ using hierarchy::CubeId;
 class BlockLevelBuilder {
  public:
   BlockLevelBuilder(const Workspace& workspace, const BlockSettings& settings, int block_size,
-                    const CubePartition& partition)
+                    CubePartition&& partition)
       : workspace_(workspace), settings_(settings), block_size_(block_size) {
     for (const CubeRecord& cube : partition.cubes)
       cubes_.push_back({cube, settings.input_error(cube.displacement)});
+    partition.cubes = {};
     sigma_ = in_cubes(partition.longest_edge, settings.grid.levels);
   }
 
@@ -40,62 +41,72 @@ class BlockLevelBuilder {
     return std::ldexp(static_cast<double>(length), level - geometry::kRootBits);
   }
 
-  std::vector<BlockTask> tasks_of_level() const {
-    std::map<BlockId, BlockTask> by_block;
-    std::unordered_map<CubeId, const CubeRecord*, hierarchy::CubeIdHash> by_id;
-    for (const BlockCube& cube : cubes_) {
-      const BlockId block = hierarchy::block_of(cube.record.id, block_size_);
-      by_block[block].cubes.push_back(cube);
-      by_id.emplace(cube.record.id, &cube.record);
-    }
-    std::vector<BlockTask> tasks;
-    for (auto& [block, task] : by_block) {
+  // Made into a BlockTask when it is about to be sent.
+  struct PlannedTask {
+    BlockId block;
+    std::vector<std::uint32_t> cubes;  // numbers in cubes_
+    std::uint64_t triangles = 0;
+  };
+
+  std::vector<PlannedTask> plan_tasks() const {
+    std::map<BlockId, PlannedTask> by_block;
+    for (std::uint32_t i = 0; i < cubes_.size(); ++i) {
+      const BlockId block = hierarchy::block_of(cubes_[i].record.id, block_size_);
+      PlannedTask& task = by_block[block];
       task.block = block;
-      for_each_around(task.cubes, block, by_id,
-                      [&](const CubeRecord& cube) { task.rims.push_back(cube.rim); });
-      tasks.push_back(std::move(task));
+      task.cubes.push_back(i);
+      task.triangles += cubes_[i].record.triangles;
     }
+    std::vector<PlannedTask> tasks;
+    for (auto& [block, task] : by_block) tasks.push_back(std::move(task));
+    // The largest first, so that none of them starts last.
+    std::stable_sort(tasks.begin(), tasks.end(),
+                     [](const PlannedTask& a, const PlannedTask& b) { return a.triangles > b.triangles; });
     return tasks;
   }
 
-  // The cubes of other blocks that touch one of these, in order.
-  template <typename ById, typename Visit>
-  void for_each_around(const std::vector<BlockCube>& cubes, const BlockId& block, const ById& by_id,
-                       const Visit& visit) const {
+  BlockTask make_task(const PlannedTask& planned) const {
+    BlockTask task;
+    task.block = planned.block;
+    for (const auto i : planned.cubes) task.cubes.push_back(cubes_[i]);
+    for (const CubeId& id : around(task)) {
+      const auto found =
+          std::lower_bound(cubes_.begin(), cubes_.end(), id,
+                           [](const BlockCube& cube, const CubeId& at) { return cube.record.id < at; });
+      if (found != cubes_.end() && found->record.id == id) task.rims.push_back(found->record.rim);
+    }
+    return task;
+  }
+
+  // The places of cubes of other blocks that touch one of the task's, in order.
+  std::vector<CubeId> around(const BlockTask& task) const {
     std::vector<CubeId> around;
-    for (const BlockCube& cube : cubes)
+    for (const BlockCube& cube : task.cubes)
       for (int dz = -1; dz <= 1; ++dz)
         for (int dy = -1; dy <= 1; ++dy)
           for (int dx = -1; dx <= 1; ++dx) {
             const CubeId& id = cube.record.id;
             const CubeId other{id.level, id.x + dx, id.y + dy, id.z + dz};
-            if (other.is_inside_root() && hierarchy::block_of(other, block_size_) != block)
+            if (other.is_inside_root() && hierarchy::block_of(other, block_size_) != task.block)
               around.push_back(other);
           }
     std::sort(around.begin(), around.end());
     around.erase(std::unique(around.begin(), around.end()), around.end());
-    for (const CubeId& id : around)
-      if (const auto found = by_id.find(id); found != by_id.end()) visit(*found->second);
-  }
-
-  static std::uint64_t cost_of(const BlockTask& task) {
-    std::uint64_t triangles = 0;
-    for (const BlockCube& cube : task.cubes) triangles += cube.record.triangles;
-    return triangles;
+    return around;
   }
 
   void run_level(int level) {
-    std::vector<BlockTask> tasks;
-    if (workspace_.ranks.is_root()) tasks = tasks_of_level();
-    // The largest first, so that none of them starts last.
-    std::stable_sort(tasks.begin(), tasks.end(),
-                     [](const BlockTask& a, const BlockTask& b) { return cost_of(a) > cost_of(b); });
-    cubes_.clear();
+    const std::string name = fmt::format("level {}", level);
+    const std::vector<PlannedTask> tasks = plan_tasks();
+    std::vector<BlockCube> parents;
     std::uint64_t triangles = 0, nodes = 0;
-    NodeStatistics made;
     run_phase(
-        workspace_, fmt::format("level {}", level), tasks.size(),
-        [&](std::size_t i) { return tasks[i].to_bytes(); },
+        workspace_, name, tasks.size(),
+        [&](std::size_t i) {
+          require_memory(workspace_, block_bytes(tasks[i].triangles),
+                         fmt::format("a block of {} triangles in {}", tasks[i].triangles, name));
+          return make_task(tasks[i]).to_bytes();
+        },
         [&](std::span<const std::byte> bytes) {
           return build_block(workspace_, settings_, BlockTask::from_bytes(bytes)).to_bytes();
         },
@@ -106,14 +117,16 @@ class BlockLevelBuilder {
             ++nodes;
             triangles += node.row.triangles;
           }
-          cubes_.insert(cubes_.end(), result.parents.begin(), result.parents.end());
+          parents.insert(parents.end(), result.parents.begin(), result.parents.end());
           if (level > 0) hierarchy_.add(static_cast<std::uint32_t>(level - 1), result.statistics);
           sigma_ = std::max(sigma_, in_cubes(result.farthest_parent, level + 1));
         });
+    cubes_ = std::move(parents);
     std::sort(cubes_.begin(), cubes_.end(),
               [](const BlockCube& a, const BlockCube& b) { return a.record.id < b.record.id; });
-    core::log("level {}: {} cubes in {} blocks, {} triangles, peak memory {} MB", level, nodes, tasks.size(),
-              triangles, core::peak_memory_bytes() >> 20);
+    const std::uint64_t peak = greatest_peak_memory(workspace_.ranks);
+    core::log("{}: {} cubes in {} blocks, {} triangles, peak memory {} MB", name, nodes, tasks.size(),
+              triangles, peak >> 20);
   }
 
   const Workspace& workspace_;
@@ -127,8 +140,8 @@ class BlockLevelBuilder {
 }  // namespace
 
 Hierarchy build_block_levels(const Workspace& workspace, const BlockSettings& settings, int block_size,
-                             const CubePartition& partition) {
-  return BlockLevelBuilder(workspace, settings, block_size, partition).run();
+                             CubePartition&& partition) {
+  return BlockLevelBuilder(workspace, settings, block_size, std::move(partition)).run();
 }
 
 }  // namespace colossus::build

@@ -297,6 +297,8 @@ BlockResult BlockResult::from_bytes(std::span<const std::byte> bytes) {
   return result;
 }
 
+std::uint64_t block_bytes(std::uint64_t triangles) { return 400 * triangles; }
+
 BlockResult build_block(const Workspace& workspace, const BlockSettings& settings, const BlockTask& task) {
   return Block(workspace, settings, task).run();
 }

@@ -42,6 +42,9 @@ struct BlockSettings {
   double input_error(double displacement) const { return rounding_error + displacement * lattice.step; }
 };
 
+// An upper estimate of the memory of build_block() for so many triangles of its cubes.
+std::uint64_t block_bytes(std::uint64_t triangles);
+
 // Simplifies the block to a quarter of its triangles with its border locked, splits the result into the
 // parents along the map, and encodes the cubes with the map to their parents' vertices (paper 001,
 // sections 3.2.4 and 3.2.5). Cubes of level 0 are only encoded. Not collective; this is where the time of a

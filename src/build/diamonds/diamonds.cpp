@@ -5,6 +5,7 @@
 
 #include "build/diamonds/levels.hpp"
 #include "build/diamonds/partition.hpp"
+#include "build/memory.hpp"
 #include "core/log.hpp"
 
 namespace colossus::build {
@@ -30,14 +31,16 @@ int bits_for_tolerance(double tolerance, const Partition& partition, const geome
   return codec::kMaxPositionBits;
 }
 
-void log_partition(const Catalog& catalog, const Partition& partition) {
+void log_partition(const cluster::Communicator& ranks, const Catalog& catalog, const Partition& partition) {
   const InputCounts& c = catalog.counts;
   std::uint64_t triangles = 0;
   for (const TetrahedronRecord& leaf : partition.leaves) triangles += leaf.triangles;
   core::log(
       "partition: {} degenerate and {} duplicate triangles dropped; {} border and {} non-manifold edges",
       c.degenerate, c.duplicate, c.border_edges, c.nonmanifold_edges);
-  core::log("partition: {} triangles in {} leaf tetrahedra", triangles, partition.leaves.size());
+  const std::uint64_t peak = greatest_peak_memory(ranks);
+  core::log("partition: {} triangles in {} leaf tetrahedra, peak memory {} MB", triangles,
+            partition.leaves.size(), peak >> 20);
 }
 
 }  // namespace
@@ -56,7 +59,7 @@ void check_diamonds(const BuildOptions& options) {
 Hierarchy build_diamonds(const Workspace& workspace, Catalog& catalog) {
   const cluster::Communicator& ranks = workspace.ranks;
   const Partition leaves = partition(workspace, catalog);
-  log_partition(catalog, leaves);
+  log_partition(ranks, catalog, leaves);
   NodeSettings settings;
   settings.lattice = catalog.lattice;
   settings.quantize.position_bits = workspace.options.position_bits;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <map>
-#include <unordered_map>
 
+#include "build/memory.hpp"
 #include "build/phase.hpp"
 #include "core/log.hpp"
 
@@ -18,49 +18,81 @@ using hierarchy::TetrahedronId;
 class LevelBuilder {
  public:
   LevelBuilder(const Workspace& workspace, const NodeSettings& settings, const Partition& partition)
-      : workspace_(workspace), settings_(settings), splits_(partition.splits) {
+      : workspace_(workspace), settings_(settings), leaves_(partition.leaves) {
     if (!workspace_.ranks.is_root()) return;
-    for (const TetrahedronRecord& leaf : partition.leaves) {
-      tetrahedra_.emplace(leaf.id, leaf);
-      leaves_[leaf.id.center].push_back(leaf);
-    }
-    for (const Point& center : splits_) splits_by_level_[hierarchy::level_of(center)].push_back(center);
+    for (const Point& center : partition.splits)
+      splits_by_level_[hierarchy::level_of(center)].push_back(center);
     for (auto& [level, centers] : splits_by_level_) std::sort(centers.begin(), centers.end());
   }
 
   Hierarchy run() {
-    run_tasks(leaf_tasks(), "leaves");
+    run_tasks("leaves", leaf_tasks(), [&](const PlannedTask& task) { return leaf_task(task.index); });
     std::int64_t levels = splits_by_level_.empty() ? 0 : splits_by_level_.rbegin()->first + 1;
     broadcast_value(workspace_.ranks, levels);
-    for (auto level = static_cast<int>(levels) - 1; level >= 0; --level)
-      run_tasks(inner_tasks(level), fmt::format("level {}", level));
+    for (auto level = static_cast<int>(levels) - 1; level >= 0; --level) run_level(level);
     hierarchy_.sort();
     return std::move(hierarchy_);
   }
 
  private:
-  std::vector<NodeTask> leaf_tasks() const {
-    std::vector<NodeTask> tasks;
-    for (const auto& [center, members] : leaves_) {
-      NodeTask task;
-      task.center = center;
-      task.is_leaf = true;
-      for (const TetrahedronRecord& leaf : members)
-        task.parts.push_back({leaf.id.place, 0, leaf.triangles, 0, leaf.record});
-      tasks.push_back(std::move(task));
+  // Made into a NodeTask when it is about to be sent.
+  struct PlannedTask {
+    std::size_t index = 0;  // of the first leaf, or of the centre
+    std::uint64_t triangles = 0;
+  };
+  struct NodeError {
+    Point center;
+    double error = 0.0;
+  };
+
+  // Leaves are ordered by level, centre, place: those of a diamond follow each other.
+  std::vector<PlannedTask> leaf_tasks() const {
+    std::vector<PlannedTask> tasks;
+    for (std::size_t i = 0; i < leaves_.size(); ++i) {
+      if (i == 0 || leaves_[i].id.center != leaves_[i - 1].id.center) tasks.push_back({i, 0});
+      tasks.back().triangles += leaves_[i].triangles;
     }
     return tasks;
   }
 
-  std::vector<NodeTask> inner_tasks(int level) const {
-    std::vector<NodeTask> tasks;
-    const auto found = splits_by_level_.find(level);
-    if (found == splits_by_level_.end()) return tasks;
-    for (const Point& center : found->second) {
-      NodeTask task = inner_task(center);
-      if (!task.parts.empty()) tasks.push_back(std::move(task));
+  NodeTask leaf_task(std::size_t first) const {
+    NodeTask task;
+    task.center = leaves_[first].id.center;
+    task.is_leaf = true;
+    for (std::size_t i = first; i < leaves_.size() && leaves_[i].id.center == task.center; ++i)
+      task.parts.push_back({leaves_[i].id.place, 0, leaves_[i].triangles, 0, leaves_[i].record});
+    return task;
+  }
+
+  void run_level(int level) {
+    take_children(level + 1);
+    const std::vector<Point>& centers = splits_by_level_[level];
+    std::vector<PlannedTask> tasks;
+    for (std::size_t i = 0; i < centers.size(); ++i) {
+      const NodeTask task = inner_task(centers[i]);
+      if (!task.parts.empty()) tasks.push_back({i, cost_of(task)});
     }
-    return tasks;
+    run_tasks(fmt::format("level {}", level), std::move(tasks),
+              [&](const PlannedTask& task) { return inner_task(centers[task.index]); });
+    splits_by_level_.erase(level);
+  }
+
+  // What the nodes of a level have left for those above it. What these have used is dropped.
+  void take_children(int level) {
+    children_ = std::move(made_);
+    made_.clear();
+    const auto is_above = [](const TetrahedronRecord& leaf, int l) {
+      return hierarchy::level_of(leaf.id.center) < l;
+    };
+    const auto begin = std::lower_bound(leaves_.begin(), leaves_.end(), level, is_above);
+    const auto end = std::lower_bound(begin, leaves_.end(), level + 1, is_above);
+    children_.insert(children_.end(), begin, end);
+    std::sort(children_.begin(), children_.end(),
+              [](const TetrahedronRecord& a, const TetrahedronRecord& b) { return a.id < b.id; });
+    errors_ = std::move(errors_by_level_[level]);
+    errors_by_level_.erase(level);
+    std::sort(errors_.begin(), errors_.end(),
+              [](const NodeError& a, const NodeError& b) { return a.center < b.center; });
   }
 
   NodeTask inner_task(const Point& center) const {
@@ -74,12 +106,17 @@ class LevelBuilder {
             hierarchy::id_of(diamond.tetrahedra[static_cast<std::size_t>(place)].child(end));
         // A child counts even when only its other tetrahedra hold geometry: errors grow from every node to
         // its parents.
-        if (const auto error = errors_.find(child.center); error != errors_.end())
-          task.least_error = std::max(task.least_error, error->second);
-        const auto entry = tetrahedra_.find(child);
-        if (entry == tetrahedra_.end()) continue;
+        const auto error =
+            std::lower_bound(errors_.begin(), errors_.end(), child.center,
+                             [](const NodeError& node, const Point& c) { return node.center < c; });
+        if (error != errors_.end() && error->center == child.center)
+          task.least_error = std::max(task.least_error, error->error);
+        const auto entry =
+            std::lower_bound(children_.begin(), children_.end(), child,
+                             [](const TetrahedronRecord& r, const TetrahedronId& id) { return r.id < id; });
+        if (entry == children_.end() || !(entry->id == child)) continue;
         task.parts.push_back({static_cast<std::uint32_t>(place), static_cast<std::uint32_t>(end),
-                              entry->second.triangles, 0, entry->second.record});
+                              entry->triangles, 0, entry->record});
       }
     }
     return task;
@@ -92,40 +129,48 @@ class LevelBuilder {
   }
 
   // Collective; tasks and results are on rank 0.
-  void run_tasks(std::vector<NodeTask> tasks, const std::string& name) {
+  template <typename Make>
+  void run_tasks(const std::string& name, std::vector<PlannedTask> tasks, const Make& make) {
     // The largest first, so that none of them starts last.
     std::stable_sort(tasks.begin(), tasks.end(),
-                     [](const NodeTask& a, const NodeTask& b) { return cost_of(a) > cost_of(b); });
-    std::vector<NodeResult> results(tasks.size());
+                     [](const PlannedTask& a, const PlannedTask& b) { return a.triangles > b.triangles; });
+    std::uint64_t triangles = 0;
     run_phase(
-        workspace_, name, tasks.size(), [&](std::size_t i) { return tasks[i].to_bytes(); },
+        workspace_, name, tasks.size(),
+        [&](std::size_t i) {
+          const NodeTask task = make(tasks[i]);
+          require_memory(workspace_, node_bytes(tasks[i].triangles),
+                         fmt::format("a diamond of {} triangles in {}", tasks[i].triangles, name));
+          return task.to_bytes();
+        },
         [&](std::span<const std::byte> bytes) {
           return build_node(workspace_, settings_, NodeTask::from_bytes(bytes)).to_bytes();
         },
-        [&](std::size_t i, Bytes bytes) { results[i] = NodeResult::from_bytes(bytes); });
-    std::uint64_t triangles = 0;
-    for (const NodeResult& result : results) {
-      take(result);
-      triangles += result.node.row.triangles;
-    }
-    core::log("{}: {} nodes, {} triangles, peak memory {} MB", name, tasks.size(), triangles,
-              core::peak_memory_bytes() >> 20);
+        [&](std::size_t, const Bytes& bytes) {
+          const NodeResult result = NodeResult::from_bytes(bytes);
+          take(result);
+          triangles += result.node.row.triangles;
+        });
+    const std::uint64_t peak = greatest_peak_memory(workspace_.ranks);
+    core::log("{}: {} nodes, {} triangles, peak memory {} MB", name, tasks.size(), triangles, peak >> 20);
   }
 
   void take(const NodeResult& result) {
     const container::NodeRow& row = result.node.row;
-    errors_[{row.center[0], row.center[1], row.center[2]}] = row.error;
-    for (const TetrahedronRecord& record : result.tetrahedra) tetrahedra_.insert_or_assign(record.id, record);
+    errors_by_level_[static_cast<int>(row.level)].push_back(
+        {{row.center[0], row.center[1], row.center[2]}, row.error});
+    made_.insert(made_.end(), result.tetrahedra.begin(), result.tetrahedra.end());
     hierarchy_.add(result.node);
   }
 
   const Workspace& workspace_;
   const NodeSettings& settings_;
-  const DiamondSet& splits_;
-  std::map<Point, std::vector<TetrahedronRecord>> leaves_;
+  const std::vector<TetrahedronRecord>& leaves_;
   std::map<int, std::vector<Point>> splits_by_level_;
-  std::unordered_map<TetrahedronId, TetrahedronRecord, hierarchy::TetrahedronIdHash> tetrahedra_;
-  std::unordered_map<Point, double, geometry::PointHash> errors_;
+  std::vector<TetrahedronRecord> made_;      // by the level at hand
+  std::vector<TetrahedronRecord> children_;  // of the level at hand, by id
+  std::vector<NodeError> errors_;            // of the nodes below the level at hand, by centre
+  std::map<int, std::vector<NodeError>> errors_by_level_;
   Hierarchy hierarchy_;
 };
 

@@ -47,6 +47,9 @@ struct NodeSettings {
   double input_error = 0.0;  // world units, by which the lattice moved the input
 };
 
+// An upper estimate of the memory of build_node() for so many triangles of its parts.
+std::uint64_t node_bytes(std::uint64_t triangles);
+
 // Simplifies (unless it is a leaf), quantises, encodes and packs one node; appends chunk and tetrahedra to
 // scratch. Not collective; this is where the time of a build goes.
 NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, const NodeTask& task);
