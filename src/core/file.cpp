@@ -21,6 +21,12 @@ Status write_status(int error) {
   return error == ENOSPC || error == EDQUOT || error == EFBIG ? Status::kNoResources : Status::kIo;
 }
 
+Status create_status(int error) {
+  if (error == EIO) return Status::kIo;
+  const Status status = write_status(error);
+  return status == Status::kNoResources ? status : Status::kCannotCreate;
+}
+
 File::~File() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
@@ -55,7 +61,7 @@ File File::create(const std::filesystem::path& path, bool exclusive) {
   file.descriptor_ =
       ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (exclusive ? O_EXCL : O_TRUNC), 0666);
   if (file.descriptor_ < 0)
-    fail(Status::kCannotCreate, "{}: cannot create: {}", path.string(), std::strerror(errno));
+    fail(create_status(errno), "{}: cannot create: {}", path.string(), std::strerror(errno));
   return file;
 }
 
@@ -94,8 +100,9 @@ void File::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
   while (done < bytes.size()) {
     const std::size_t step = std::min(bytes.size() - done, kMaxCallBytes);
     const ssize_t put = ::pwrite(descriptor_, bytes.data() + done, step, static_cast<off_t>(offset + done));
-    if (put < 0) {
-      if (errno == EINTR) continue;
+    if (put <= 0) {
+      if (put < 0 && errno == EINTR) continue;
+      if (put == 0) errno = EIO;  // a device that takes nothing, and would be asked for ever
       fail(write_status(errno), "{}: cannot write {} bytes at byte {}: {}", path_.string(),
            bytes.size() - done, offset + done, std::strerror(errno));
     }

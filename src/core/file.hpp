@@ -13,6 +13,9 @@ namespace colossus::core {
 
 // What a failed write with this errno is: kNoResources when there is no room, else kIo.
 Status write_status(int error);
+// What a failure to create or rename a file with this errno is: kNoResources when there is no room, kIo when
+// the device fails, else kCannotCreate.
+Status create_status(int error);
 
 class File {
  public:
@@ -25,7 +28,8 @@ class File {
 
   // Throws Error(kBadData) when the file cannot be opened: a missing input is bad input.
   static File open_for_reading(const std::filesystem::path& path);
-  // Creates the file, which must not exist when `exclusive`; else truncates it. Throws Error(kCannotCreate).
+  // Creates the file, which must not exist when `exclusive`; else truncates it. Throws Error with
+  // create_status().
   static File create(const std::filesystem::path& path, bool exclusive = false);
 
   bool is_open() const { return descriptor_ >= 0; }
