@@ -1,6 +1,7 @@
 // The conversation: rank 0 sends kTask messages and one kStop to each worker; a worker answers each task that
 // it worked on with kResult or kFailure, and the kStop with kDone. kStop overtakes tasks that wait at the
-// worker, which are then dropped: in order it is sent only when the worker has none, after a failure at once.
+// worker, which are then dropped: in order it is sent only when the worker has none, after a failure or a
+// request to stop at once.
 #include "cluster/farm.hpp"
 
 #include <chrono>
@@ -11,6 +12,7 @@
 
 #include "cluster/detail/message_port.hpp"
 #include "cluster/detail/mpi_calls.hpp"
+#include "cluster/stop.hpp"
 
 namespace colossus::cluster {
 namespace {
@@ -27,6 +29,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 core::Error with_place(const core::Error& error, std::uint64_t task, int rank) {
+  if (error.status() == core::Status::kStopped) return error;
   return {error.status(), fmt::format("{} (task {} on rank {})", error.what(), task, rank)};
 }
 
@@ -43,11 +46,13 @@ class Master {
 
   // Returns the failure, if any.
   std::optional<core::Error> run() {
+    stop_if_requested();
     for (int round = 0; round < kTasksPerWorker; ++round)
       for (int worker = 1; worker <= worker_count_; ++worker) hand_out(worker);
     for (int worker = 1; worker <= worker_count_; ++worker) stop_if_idle(worker);
     detail::Backoff backoff;
     while (!port_.is_finished()) {
+      stop_if_requested();
       if (std::optional<Message> message = port_.poll()) {
         take(std::move(*message));
         backoff.reset();
@@ -96,6 +101,12 @@ class Master {
     stop_if_idle(worker);
   }
 
+  void stop_if_requested() {
+    if (failure_ || !is_stop_requested()) return;
+    failure_ = stop_error();
+    stop_all();
+  }
+
   void stop_if_idle(int worker) {
     if (state(worker).held_tasks == 0) stop(worker);
   }
@@ -115,7 +126,10 @@ class Master {
   }
 
   void fail(const core::Error& error, std::uint64_t task) {
-    if (!failed_here_ && (!failure_ || task < failed_task_)) {
+    // That a stop was requested is what is told when nothing else has happened.
+    const bool is_first = !failure_ || failure_->status() == core::Status::kStopped;
+    const bool is_lower = error.status() != core::Status::kStopped && task < failed_task_;
+    if (!failed_here_ && (is_first || is_lower)) {
       failure_.emplace(error);
       failed_task_ = task;
     }
@@ -148,6 +162,7 @@ class Worker {
     for (;;) {
       receive();
       if (is_stopped_) break;
+      if (is_stop_requested()) tasks_.clear();  // kStop is on its way
       if (tasks_.empty()) {
         backoff.pause();
         continue;
@@ -205,6 +220,7 @@ FarmShare run_alone(std::size_t task_count, const MakeTask& make_task, const Wor
   FarmShare share;
   for (std::size_t task = 0; task < task_count; ++task) {
     try {
+      throw_if_stop_requested();
       const core::Bytes bytes = make_task(task);
       const auto start = std::chrono::steady_clock::now();
       core::Bytes result = work(bytes);

@@ -28,8 +28,9 @@ struct FarmShare {
   double total_seconds = 0.0;  // from the call of run_farm() to its return
 };
 
-// Collective. Runs all tasks. Only rank 0's `task_count`, `make_task` and `on_result` are used. The callbacks
-// must not make collective calls.
+// Collective. Runs all tasks, unless a stop is requested (see cluster/stop.hpp): then no further task starts,
+// those that run are finished, and run_farm() throws an AgreedError of status kStopped on all ranks. Only
+// rank 0's `task_count`, `make_task` and `on_result` are used. The callbacks must not make collective calls.
 //
 // An exception from any callback is data: no further task starts, those that run are finished, their results
 // dropped, and run_farm() throws the same AgreedError on all ranks, with the status of the Error and its

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cluster/detail/mpi_calls.hpp"
+#include "cluster/detail/stop_notices.hpp"
 #include "core/hash.hpp"
 #include "core/log.hpp"
 
@@ -58,6 +59,7 @@ struct Outcome {
 struct Farewell {
   std::int64_t status;
   std::uint64_t message_hash;  // 0 for no message
+  std::int64_t has_sent_stop;
 };
 
 Outcome run_body(Communicator& world, const std::function<int(Communicator&)>& body) {
@@ -85,8 +87,11 @@ std::string on_rank(int rank) { return fmt::format(" on rank {}", rank); }
 int say_farewell(const Communicator& world, const Outcome& outcome) {
   const Communicator::Impl& impl = world.impl();
   const std::span<const char> text(outcome.message);
+  detail::StopNotices* const stop = detail::stop_notices();
+  if (stop) stop->close();
   const Farewell mine{outcome.status,
-                      text.empty() ? 0 : std::max<std::uint64_t>(1, core::hash64(core::as_bytes(text)))};
+                      text.empty() ? 0 : std::max<std::uint64_t>(1, core::hash64(core::as_bytes(text))),
+                      stop && stop->has_sent() ? 1 : 0};
   std::vector<Farewell> all(static_cast<std::size_t>(impl.size));
   MPI_Request request = MPI_REQUEST_NULL;
   check_mpi(MPI_Iallgather(&mine, sizeof mine, MPI_BYTE, all.data(), sizeof mine, MPI_BYTE, impl.farewell,
@@ -101,8 +106,14 @@ int say_farewell(const Communicator& world, const Outcome& outcome) {
   // Each message once, from the lowest rank that has it, before any rank exits: mpirun may then end the
   // others.
   const auto has_mine = [&](const Farewell& other) { return other.message_hash == mine.message_hash; };
-  if (mine.message_hash != 0 && std::none_of(all.begin(), all.begin() + impl.rank, has_mine))
+  const bool is_to_be_told =
+      mine.message_hash != 0 && mine.status != static_cast<int>(core::Status::kStopped);
+  if (is_to_be_told && std::none_of(all.begin(), all.begin() + impl.rank, has_mine))
     print_error(std::all_of(all.begin(), all.end(), has_mine) ? "" : on_rank(impl.rank), outcome.message);
+  if (stop) {
+    const auto has_sent = [](const Farewell& other) { return other.has_sent_stop != 0; };
+    stop->finish(static_cast<int>(std::count_if(all.begin() + 1, all.end(), has_sent)), has_sent(all[0]));
+  }
   world.barrier();
   int status = 0;
   for (const Farewell& other : all) status = std::max(status, static_cast<int>(other.status));
@@ -122,6 +133,7 @@ Session::Session(int& argc, char**& argv) : exceptions_at_start_(std::uncaught_e
   impl->collective = duplicate_world();
   impl->farm = duplicate_world();
   impl->farewell = duplicate_world();
+  impl->stop = duplicate_world();
   check_mpi(MPI_Comm_rank(impl->collective, &impl->rank), "MPI_Comm_rank");
   check_mpi(MPI_Comm_size(impl->collective, &impl->size), "MPI_Comm_size");
   core::set_log_enabled(impl->rank == 0);
@@ -132,7 +144,7 @@ Session::~Session() {
   if (std::uncaught_exceptions() > exceptions_at_start_)
     MPI_Abort(MPI_COMM_WORLD, static_cast<int>(core::Status::kInternal));
   Communicator::Impl& impl = world_->impl();
-  for (MPI_Comm* comm : {&impl.collective, &impl.farm, &impl.farewell}) MPI_Comm_free(comm);
+  for (MPI_Comm* comm : {&impl.collective, &impl.farm, &impl.farewell, &impl.stop}) MPI_Comm_free(comm);
   MPI_Finalize();
 }
 

@@ -32,10 +32,11 @@ class Session {
 // Runs `body` on every rank, and returns the exit status for main(): the largest status that any rank's body
 // returned or failed with, on all ranks the same. Collective.
 //
-// A message is printed once, to stderr. If all ranks fail (an AgreedError, or the same error found by each),
-// or the others come to the end of `body`, all ranks return in order. A rank that fails alone while others go
-// on ends them all: after half a second it prints its message with its rank and calls MPI_Abort with its
-// status. mpirun and srun add messages of their own to any status but 0.
+// A message is printed once, to stderr, but none of status kStopped, which is no error. If all ranks fail (an
+// AgreedError, or the same error found by each), or the others come to the end of `body`, all ranks return in
+// order. A rank that fails alone while others go on ends them all: after half a second it prints its message
+// with its rank and calls MPI_Abort with its status. mpirun and srun add messages of their own to any status
+// but 0.
 int run_ranks(int& argc, char**& argv, const std::function<int(Communicator&)>& body);
 
 }  // namespace colossus::cluster

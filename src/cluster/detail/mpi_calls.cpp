@@ -7,6 +7,8 @@
 #include <string>
 #include <thread>
 
+#include "cluster/detail/stop_notices.hpp"
+
 namespace colossus::cluster::detail {
 namespace {
 
@@ -52,6 +54,7 @@ bool wait_politely(MPI_Request& request, std::optional<std::chrono::milliseconds
     int done = 0;
     check_mpi(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "MPI_Test");
     if (done != 0) return true;
+    if (StopNotices* notices = stop_notices()) notices->poll();
     if (limit && std::chrono::steady_clock::now() - start > *limit) return false;
     backoff.pause();
   }

@@ -19,6 +19,7 @@ struct Communicator::Impl {
   MPI_Comm collective = MPI_COMM_NULL;  // collective calls
   MPI_Comm farm = MPI_COMM_NULL;        // the task farm's messages
   MPI_Comm farewell = MPI_COMM_NULL;    // the ranks' last meeting, see run_ranks()
+  MPI_Comm stop = MPI_COMM_NULL;        // notices of requests to stop
   int rank = 0;
   int size = 1;
   std::size_t piece_bytes = kDefaultPieceBytes;
@@ -43,7 +44,7 @@ class Backoff {
   int yields_ = 0;
 };
 
-// Waits for one request. With a time limit, false when it is over.
+// Waits for one request, and passes on requests to stop meanwhile. With a time limit, false when it is over.
 bool wait_politely(MPI_Request& request, std::optional<std::chrono::milliseconds> limit = std::nullopt);
 
 // Waits for sends and receives of many bytes. MPI moves a part of them in each poll, so a sleep between two
