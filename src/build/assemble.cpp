@@ -1,5 +1,7 @@
 #include "build/assemble.hpp"
 
+#include "build/phase.hpp"
+#include "cluster/stop.hpp"
 #include "container/writer.hpp"
 #include "core/log.hpp"
 
@@ -81,7 +83,11 @@ std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const
   rows.reserve(hierarchy.nodes.size());
   for (const StoredNode& node : hierarchy.nodes) rows.push_back(node.row);
   writer.add_nodes(metadata_of(workspace.options, catalog, scheme, hierarchy), std::move(rows));
-  for (const StoredNode& node : hierarchy.nodes) writer.append_chunk(workspace.reader.read(node.chunk));
+  for (const StoredNode& node : hierarchy.nodes) {
+    cluster::throw_if_stop_requested();
+    writer.append_chunk(workspace.reader.read(node.chunk));
+  }
+  check_not_superseded(workspace);
   writer.commit();
   return std::filesystem::file_size(workspace.options.output);
 }

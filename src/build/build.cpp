@@ -1,13 +1,19 @@
 #include "build/build.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <optional>
 
 #include "build/assemble.hpp"
+#include "build/inputs.hpp"
 #include "build/memory.hpp"
+#include "build/restart.hpp"
 #include "build/scheme.hpp"
 #include "build/survey.hpp"
+#include "cluster/stop.hpp"
 #include "core/log.hpp"
-#include "scratch/directory.hpp"
 
 namespace colossus::build {
 namespace {
@@ -32,9 +38,25 @@ void log_survey(const Catalog& catalog) {
             catalog.bounds.low[2], catalog.bounds.high[0], catalog.bounds.high[1], catalog.bounds.high[2]);
 }
 
-BuildReport run_phases(const Workspace& workspace, const Scheme& scheme) {
+void check_output(const BuildOptions& options) {
+  const std::filesystem::path folder = options.output.has_parent_path() ? options.output.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder))
+    core::fail(core::Status::kCannotCreate, "{}: the folder {} does not exist", options.output.string(),
+               folder.string());
+  if (std::filesystem::is_directory(options.output))
+    core::fail(core::Status::kCannotCreate, "{}: cannot create: it is a folder", options.output.string());
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    core::fail(core::Status::kCannotCreate, "{}: the folder {} cannot be written: {}",
+               options.output.string(), folder.string(), std::strerror(errno));
+}
+
+BuildReport run_phases(const Workspace& workspace, const Scheme& scheme,
+                       const std::vector<InputStamp>& inputs) {
   const cluster::Communicator& ranks = workspace.ranks;
   Catalog catalog = survey(workspace);
+  ranks.attempt([&] {
+    if (ranks.is_root()) check_unchanged(inputs);
+  });
   log_survey(catalog);
   catalog.lattice = geometry::Lattice::fit(catalog.bounds);
   core::log("lattice: step {} (input vertices moved by at most {}), origin {} {} {}", catalog.lattice.step,
@@ -54,40 +76,64 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme) {
   return report;
 }
 
+// Whether scratch is of no use to a later attempt: it would find the same fault, or another input.
+bool is_final(core::Status status) {
+  return status == core::Status::kBadData || status == core::Status::kUsage;
+}
+
+// The same error with what to do next.
+cluster::AgreedError with_advice(const core::Error& error, const std::filesystem::path& scratch) {
+  if (is_final(error.status())) return {error.status(), error.what()};
+  if (error.status() == core::Status::kStopped)
+    return {error.status(),
+            fmt::format("{}; what is finished lies in {}: run the same command with --resume to "
+                        "continue",
+                        error.what(), scratch.string())};
+  return {error.status(), fmt::format("{}; what is finished lies in {}: once the cause is gone, run the same "
+                                      "command with --resume to continue, or remove that directory",
+                                      error.what(), scratch.string())};
+}
+
 }  // namespace
 
 BuildReport build(const cluster::Communicator& ranks, const BuildOptions& options) {
   check_options(ranks, options);
   const std::uint64_t memory_bytes = memory_per_rank(ranks, options.memory);
-  std::filesystem::path scratch = options.scratch;
-  if (scratch.empty()) scratch = options.output.string() + ".scratch";
+  cluster::watch_for_stop(ranks, options.time_limit);
+  std::filesystem::path folder = options.scratch;
+  if (folder.empty()) folder = options.output.string() + ".scratch";
+  std::vector<InputStamp> inputs;
   ranks.attempt([&] {
-    const std::filesystem::path folder =
-        options.output.has_parent_path() ? options.output.parent_path() : ".";
-    if (ranks.is_root() && !std::filesystem::is_directory(folder))
-      core::fail(core::Status::kCannotCreate, "{}: the folder {} does not exist", options.output.string(),
-                 folder.string());
-  });
-  std::optional<scratch::ScratchDirectory> directory;
-  ranks.attempt([&] {
-    if (ranks.is_root()) directory.emplace(scratch::ScratchDirectory::create(scratch));
-  });
-  ranks.attempt([&] {
-    if (!ranks.is_root()) directory.emplace(scratch::ScratchDirectory::open(scratch));
+    if (!ranks.is_root()) return;
+    check_output(options);
+    inputs = stamps_of_inputs(options);
   });
   BuildReport report;
+  std::optional<core::Error> failure;
   {
-    std::optional<scratch::SpoolWriter> writer;
-    ranks.attempt([&] { writer.emplace(scratch, static_cast<std::uint32_t>(ranks.rank())); });
-    scratch::SpoolReader reader(scratch);
-    report =
-        run_phases({ranks, options, scratch, *writer, reader, memory_bytes}, scheme_named(options.scheme));
+    OpenedScratch opened = open_scratch(ranks, folder, options.resume, manifest_of(options, inputs));
+    scratch::SpoolWriter writer(opened.location, opened.progress.journal.attempt(),
+                                static_cast<std::uint16_t>(ranks.rank()));
+    scratch::SpoolReader reader(opened.location);
+    try {
+      report = run_phases({ranks, options, opened.location, writer, reader, memory_bytes, opened.progress},
+                          scheme_named(options.scheme), inputs);
+    } catch (const cluster::AgreedError& error) {
+      failure = error;
+    }
   }
-  ranks.barrier();
-  ranks.attempt([&] {
-    if (ranks.is_root()) directory->remove();
-  });
-  return report;
+  ranks.barrier();  // all files are closed
+  if (ranks.is_root() && (!failure || is_final(failure->status()))) {
+    try {
+      scratch::remove_scratch_directory(folder);
+    } catch (const core::Error& error) {
+      core::warn_line(error.what());  // the container is complete all the same
+    }
+  }
+  if (!failure) return report;
+  const cluster::AgreedError agreed = with_advice(*failure, folder);
+  if (agreed.status() == core::Status::kStopped) core::log_line(agreed.what());
+  throw agreed;
 }
 
 }  // namespace colossus::build

@@ -12,7 +12,9 @@ struct BuildReport {
   std::uint64_t output_bytes = 0;
 };
 
-// Builds options.output. Collective. On any error nothing is left behind: neither the output nor scratch.
+// Builds options.output. Collective, once per program: signals to stop are watched for from then on. On any
+// error no output is left behind. Scratch is left for a later attempt with options.resume, unless the error
+// is of status kUsage or kBadData, which another attempt would meet again.
 BuildReport build(const cluster::Communicator& ranks, const BuildOptions& options);
 
 }  // namespace colossus::build

@@ -15,7 +15,9 @@ namespace colossus::build {
 struct BuildOptions {
   std::vector<std::string> inputs;  // files, or @list.txt
   std::filesystem::path output;
-  std::filesystem::path scratch;  // empty: <output>.scratch
+  std::filesystem::path scratch;     // empty: <output>.scratch
+  bool resume = false;               // continue what an interrupted build has left in scratch, if anything
+  std::optional<double> time_limit;  // seconds since the start of the program, after which the build stops
   std::string scheme = container::kSchemeDiamonds;
   std::uint64_t leaf_triangles = 8000;  // per tetrahedron, after clipping; on average per cube
   int position_bits = codec::kDefaultPositionBits;

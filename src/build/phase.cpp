@@ -1,12 +1,129 @@
 #include "build/phase.hpp"
 
+#include <algorithm>
+
+#include "build/progress.hpp"
+#include "cluster/stop.hpp"
+#include "core/hash.hpp"
+#include "core/log.hpp"
+#include "scratch/directory.hpp"
+
 namespace colossus::build {
+namespace {
+
+using core::Bytes;
+using scratch::FileId;
+using scratch::FinishedTask;
+using scratch::TaskKey;
+
+std::uint64_t hash_of_name(const std::string& name) {
+  return core::hash64(std::as_bytes(std::span(name.data(), name.size())));
+}
+
+// Hands out the results of earlier attempts, and returns the tasks that are left. On rank 0.
+std::vector<std::size_t> replay(const Workspace& workspace, const std::string& name, std::size_t task_count,
+                                const cluster::MakeTask& make_task, const cluster::TakeResult& on_result) {
+  const std::uint32_t phase = workspace.progress.phase_count;
+  const std::vector<FinishedTask> finished = workspace.progress.history.take_phase(phase, hash_of_name(name));
+  std::vector<std::size_t> rest;
+  auto next = finished.begin();
+  for (std::size_t task = 0; task < task_count; ++task) {
+    while (next != finished.end() && next->key.index < task) ++next;
+    const bool is_known = next != finished.end() && next->key.index == task;
+    if (is_known && next->key.task_hash == core::hash64(make_task(task))) {
+      cluster::throw_if_stop_requested();
+      on_result(task, scratch::result_of_record(workspace.reader.read(next->record)));
+    } else {
+      rest.push_back(task);
+    }
+  }
+  if (rest.size() < task_count)
+    core::log("resume: {}: {} of {} tasks are done", name, task_count - rest.size(), task_count);
+  return rest;
+}
+
+// A task's number, then what make_task made.
+Bytes with_number(std::size_t task, std::span<const std::byte> made) {
+  core::ByteWriter writer;
+  writer.put<std::uint64_t>(task);
+  writer.put_bytes(made);
+  return writer.take();
+}
+
+Bytes work_and_record(const Workspace& workspace, std::uint64_t name_hash,
+                      std::span<const std::byte> numbered, const cluster::Work& work) {
+  core::ByteReader reader(numbered);
+  const auto number = reader.get<std::uint64_t>();
+  const auto task = reader.get_bytes(reader.remaining());
+  const scratch::SpoolWriter::Ends before = workspace.writer.ends();
+  Bytes result = work(task);
+  workspace.writer.flush();
+  const TaskKey key{workspace.progress.phase_count, 0, name_hash, number, core::hash64(task)};
+  workspace.progress.journal.append_task(key, workspace.writer.extents_since(before), result);
+  return result;
+}
+
+bool is_in(const FileId& file, std::uint32_t first, std::uint32_t last) {
+  return file.stream >= first && file.stream <= last && file.stream != scratch::kJournalStream;
+}
+
+}  // namespace
 
 void run_phase(const Workspace& workspace, const std::string& name, std::size_t task_count,
                const cluster::MakeTask& make_task, const cluster::Work& work,
                const cluster::TakeResult& on_result) {
-  (void)name;
-  cluster::run_farm(workspace.ranks, task_count, make_task, work, on_result);
+  const std::uint32_t phase = ++workspace.progress.phase_count;
+  COLOSSUS_CHECK(phase < scratch::kJournalStream, "{} phases", phase);
+  workspace.writer.begin_stream(static_cast<std::uint16_t>(phase));
+  std::vector<std::size_t> rest;
+  workspace.ranks.attempt([&] {
+    if (!workspace.ranks.is_root()) return;
+    check_not_superseded(workspace);
+    rest = replay(workspace, name, task_count, make_task, on_result);
+  });
+  const std::uint64_t name_hash = hash_of_name(name);
+  cluster::run_farm(
+      workspace.ranks, rest.size(), [&](std::size_t i) { return with_number(rest[i], make_task(rest[i])); },
+      [&](std::span<const std::byte> task) { return work_and_record(workspace, name_hash, task, work); },
+      [&](std::size_t i, Bytes result) { on_result(rest[i], std::move(result)); });
+}
+
+std::uint32_t last_phase(const Workspace& workspace) { return workspace.progress.phase_count; }
+
+void release_phases(const Workspace& workspace, std::uint32_t first, std::uint32_t last) {
+  Progress& progress = workspace.progress;
+  COLOSSUS_CHECK(first > 0 && last < progress.phase_count, "{} to {} of {}", first, last,
+                 progress.phase_count);
+  if (first > last) return;
+  const bool is_root = workspace.ranks.is_root();
+  // Who resumes must know that the data is not missed, before it is missing.
+  workspace.ranks.attempt([&] {
+    if (!is_root) return;
+    check_not_superseded(workspace);
+    std::vector<std::uint32_t> phases;
+    for (std::uint32_t phase = first; phase <= last; ++phase) phases.push_back(phase);
+    progress.journal.append_release(progress.phase_count, phases);
+  });
+  workspace.reader.forget(static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last));
+  workspace.ranks.attempt([&] {
+    std::vector<FileId> files;
+    for (std::uint32_t phase = first; phase <= last; ++phase)
+      files.push_back({progress.journal.attempt(), static_cast<std::uint16_t>(workspace.ranks.rank()),
+                       static_cast<std::uint16_t>(phase)});
+    std::copy_if(progress.earlier_files.begin(), progress.earlier_files.end(), std::back_inserter(files),
+                 [&](const FileId& file) { return is_in(file, first, last); });
+    std::erase_if(progress.earlier_files, [&](const FileId& file) { return is_in(file, first, last); });
+    scratch::remove_files(workspace.scratch.folder, files);
+  });
+}
+
+void check_not_superseded(const Workspace& workspace) {
+  const int next = workspace.progress.journal.attempt() + 1;
+  const FileId journal{static_cast<std::uint16_t>(next), 0, scratch::kJournalStream};
+  if (std::filesystem::exists(path_of(workspace.scratch.folder, journal)))
+    core::fail(core::Status::kIo,
+               "{}: attempt {} at this build has begun and takes over; this is attempt {}, which ends",
+               workspace.scratch.folder.string(), next, next - 1);
 }
 
 }  // namespace colossus::build

@@ -3,6 +3,7 @@
 #include <xxhash.h>
 
 #include "build/phase.hpp"
+#include "cluster/stop.hpp"
 #include "core/file.hpp"
 #include "core/log.hpp"
 
@@ -18,6 +19,28 @@ struct SurveyTask {
   std::uint32_t file = 0;
   std::uint32_t is_hash = 0;
   input::Part part;
+
+  // Member by member: what lies between them would make equal tasks differ.
+  Bytes to_bytes() const {
+    ByteWriter writer;
+    writer.put(file);
+    writer.put(is_hash);
+    writer.put(part.kind);
+    writer.put(part.first);
+    writer.put(part.count);
+    return writer.take();
+  }
+  static SurveyTask from_bytes(std::span<const std::byte> bytes) {
+    ByteReader reader(bytes);
+    SurveyTask task;
+    task.file = reader.get<std::uint32_t>();
+    task.is_hash = reader.get<std::uint32_t>();
+    task.part.kind = reader.get<input::PartKind>();
+    task.part.first = reader.get<std::uint64_t>();
+    task.part.count = reader.get<std::uint64_t>();
+    COLOSSUS_CHECK(!reader.failed());
+    return task;
+  }
 };
 
 struct PartCounts {
@@ -27,12 +50,13 @@ struct PartCounts {
   std::uint32_t is_uniform = 1;  // 0: faces are not all triangles, the file must be read sequentially
 };
 
-// Writes blocks to scratch as they come.
+// Writes blocks to scratch as they come, unless a stop is requested: a part may be a whole file.
 class ScratchSink : public input::BlockSink {
  public:
   ScratchSink(const Workspace& workspace, std::uint32_t file) : workspace_(workspace), file_(file) {}
 
   void vertices(std::uint64_t first, input::VertexBlock&& block) override {
+    cluster::throw_if_stop_requested();
     for (const auto& p : block.positions) counts.bounds.add(p);
     VertexBlockRef ref;
     ref.file = file_;
@@ -47,6 +71,7 @@ class ScratchSink : public input::BlockSink {
   }
 
   void triangles(input::TriangleBlock&& block) override {
+    cluster::throw_if_stop_requested();
     if (block.triangles.empty()) return;
     TriangleBlockRef ref;
     ref.file = file_;
@@ -76,6 +101,7 @@ Bytes hash_of_file(const std::filesystem::path& path) {
   XXH3_128bits_reset(state.get());
   Bytes buffer(std::size_t{4} << 20);
   for (std::uint64_t offset = 0;;) {
+    cluster::throw_if_stop_requested();  // a task may take minutes
     const std::size_t got = file.read_some_at(offset, buffer);
     if (got == 0) break;
     XXH3_128bits_update(state.get(), buffer.data(), got);
@@ -130,14 +156,9 @@ class Survey {
     // faces.
     std::vector<Bytes> results(tasks.size());
     run_phase(
-        workspace_, phase, tasks.size(),
-        [&](std::size_t i) {
-          ByteWriter writer;
-          writer.put(tasks[i]);
-          return writer.take();
-        },
+        workspace_, phase, tasks.size(), [&](std::size_t i) { return tasks[i].to_bytes(); },
         [&](std::span<const std::byte> bytes) {
-          const auto task = ByteReader(bytes).get<SurveyTask>();
+          const SurveyTask task = SurveyTask::from_bytes(bytes);
           return task.is_hash != 0 ? hash_of_file(sources_[task.file]->info().path) : read_part(task);
         },
         [&](std::size_t i, Bytes result) { results[i] = std::move(result); });

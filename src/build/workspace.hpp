@@ -1,4 +1,4 @@
-// What every phase of a build needs: the ranks, this rank's spool, readers of all spools, the options.
+// What every phase of a build needs: the ranks, this rank's spools, a reader of all spools, the options.
 #pragma once
 
 #include "build/options.hpp"
@@ -8,13 +8,16 @@
 
 namespace colossus::build {
 
+struct Progress;  // for run_phase()
+
 struct Workspace {
   const cluster::Communicator& ranks;
   const BuildOptions& options;
-  std::filesystem::path scratch;
+  scratch::Location scratch;
   scratch::SpoolWriter& writer;
   scratch::SpoolReader& reader;
   std::uint64_t memory_bytes;  // that this rank may use
+  Progress& progress;
 };
 
 // Sends what rank 0 has to all ranks. Collective.

@@ -1,9 +1,21 @@
 #include "build/build.hpp"
 #include "cli/commands.hpp"
 #include "cluster/session.hpp"
+#include "core/duration.hpp"
 #include "core/log.hpp"
 
 namespace colossus::cli {
+namespace {
+
+double seconds_of(const std::string& time_limit) {
+  const std::optional<double> seconds = core::parse_duration(time_limit);
+  if (!seconds)
+    core::fail(core::Status::kUsage,
+               "--time-limit {} is no time; write it like 90s, 45m, 3h50m or 1-02:00:00", time_limit);
+  return *seconds;
+}
+
+}  // namespace
 
 void add_build(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<build::BuildOptions>();
@@ -12,7 +24,13 @@ void add_build(CLI::App& app, Action& chosen) {
       ->add_option("inputs", options->inputs, "PLY, OBJ, STL or OFF files, or @list.txt; together one statue")
       ->required();
   command->add_option("-o,--output", options->output, "The container to write, e.g. statue.h5")->required();
-  command->add_option("--scratch", options->scratch, "Folder for temporary files; default: <output>.scratch");
+  command->add_option("--scratch", options->scratch,
+                      "Folder for temporary files, to be created; default: <output>.scratch");
+  command->add_flag("--resume", options->resume,
+                    "Continue the build that was interrupted; without one, begin a new one");
+  auto time_limit = std::make_shared<std::string>();
+  command->add_option("--time-limit", *time_limit,
+                      "Stop in order after this time, e.g. 90s, 45m, 3h50m, 1-02:00:00; then see --resume");
   command->add_option("--scheme", options->scheme, "diamonds or blocks")->capture_default_str();
   command
       ->add_option("--leaf-triangles", options->leaf_triangles,
@@ -37,9 +55,10 @@ void add_build(CLI::App& app, Action& chosen) {
   command->add_option(
       "--memory", options->memory,
       "Most memory per rank, e.g. 512M or 2G, at least 256M; default: its share of the host's");
-  command->callback([&chosen, options] {
-    chosen = [options](int& argc, char**& argv) {
+  command->callback([&chosen, options, time_limit] {
+    chosen = [options, time_limit](int& argc, char**& argv) {
       return cluster::run_ranks(argc, argv, [&](cluster::Communicator& ranks) {
+        if (!time_limit->empty()) options->time_limit = seconds_of(*time_limit);
         core::log("colossus {} build, {} ranks, leaf triangles {}", COLOSSUS_VERSION, ranks.size(),
                   options->leaf_triangles);
         const build::BuildReport report = build::build(ranks, *options);

@@ -1,94 +1,157 @@
 #include "scratch/directory.hpp"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <string>
 #include <system_error>
-#include <utility>
-#include <vector>
 
 #include "core/error.hpp"
-#include "core/file.hpp"
-#include "core/log.hpp"
+#include "core/hash.hpp"
 
 namespace colossus::scratch {
 namespace {
 
-constexpr std::string_view kSpoolPrefix = "rank-";
-constexpr std::string_view kSpoolSuffix = ".spool";
+constexpr const char* kManifestName = "manifest";
+constexpr const char* kFirstLine = "Colossus scratch files, format 1\n";
+constexpr const char* kChecksumName = "checksum";
 
-bool is_spool_name(const std::string& name) {
-  if (!name.starts_with(kSpoolPrefix) || !name.ends_with(kSpoolSuffix)) return false;
-  const std::size_t digits = name.size() - kSpoolPrefix.size() - kSpoolSuffix.size();
-  const std::string number = name.substr(kSpoolPrefix.size(), digits);
-  return !number.empty() &&
-         std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
+std::uint64_t hash_of(const std::string& text) {
+  return core::hash64(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+std::string lines_of(const Manifest& manifest) {
+  std::string text = kFirstLine;
+  for (const auto& [name, value] : manifest.entries) text += fmt::format("{}: {}\n", name, value);
+  return text;
+}
+
+[[noreturn]] void fail_removal(const std::filesystem::path& path, const std::string& reason) {
+  core::fail(core::Status::kIo, "{}: cannot remove: {}: remove the scratch directory by hand", path.string(),
+             reason);
+}
+
+void remove_file(const std::filesystem::path& path) {
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail_removal(path, std::strerror(errno));
 }
 
 }  // namespace
 
-ScratchDirectory::ScratchDirectory(std::filesystem::path path, bool is_owner)
-    : path_(std::move(path)), is_owner_(is_owner) {}
+// Paths may hold line ends.
+void Manifest::add(const std::string& name, const std::string& value) {
+  std::string line;
+  for (const char c : value) line += c == '\n' ? "\\n" : c == '\\' ? "\\\\" : std::string(1, c);
+  entries.emplace_back(name, line);
+}
 
-ScratchDirectory::ScratchDirectory(ScratchDirectory&& other) noexcept
-    : path_(std::move(other.path_)), is_owner_(std::exchange(other.is_owner_, false)) {}
+std::string Manifest::text() const {
+  const std::string lines = lines_of(*this);
+  return lines + fmt::format("{}: {:016x}\n", kChecksumName, hash_of(lines));
+}
 
-ScratchDirectory::~ScratchDirectory() {
-  if (!is_owner_) return;
-  try {
-    remove();
-  } catch (const std::exception& error) {
-    core::warn_line(error.what());
+std::uint64_t Manifest::key() const { return hash_of(lines_of(*this)); }
+
+std::optional<Manifest> Manifest::parse(const std::string& text) {
+  Manifest manifest;
+  std::string lines = kFirstLine;
+  if (!text.starts_with(lines)) return std::nullopt;
+  for (std::size_t at = lines.size(); at < text.size();) {
+    const std::size_t end = text.find('\n', at);
+    const std::size_t colon = text.find(": ", at);
+    if (end == std::string::npos || colon >= end) return std::nullopt;
+    const std::string name = text.substr(at, colon - at);
+    std::string value = text.substr(colon + 2, end - colon - 2);
+    if (name == kChecksumName) {
+      const bool is_whole = end + 1 == text.size() && value == fmt::format("{:016x}", hash_of(lines));
+      return is_whole ? std::optional(manifest) : std::nullopt;
+    }
+    lines += text.substr(at, end + 1 - at);
+    manifest.entries.emplace_back(name, std::move(value));
+    at = end + 1;
   }
+  return std::nullopt;
 }
 
-ScratchDirectory ScratchDirectory::create(const std::filesystem::path& path) {
-  // mkdir() is atomic: of two builds that want the same directory, one gets it.
-  if (::mkdir(path.c_str(), 0777) != 0) {
-    if (errno == EEXIST)
-      core::fail(core::Status::kCannotCreate,
-                 "{}: the scratch directory exists already: another build is using it, or was killed; remove "
-                 "it if no "
-                 "build is running",
-                 path.string());
-    const core::Status status = core::write_status(errno);
-    core::fail(status == core::Status::kIo ? core::Status::kCannotCreate : status,
-               "{}: cannot create the scratch directory: {}", path.string(), std::strerror(errno));
-  }
-  return {path, true};
+std::string Manifest::difference_from(const Manifest& there) const {
+  constexpr const char* kAbsent = "absent";
+  const auto value_in = [](const Manifest& manifest, const std::string& name) {
+    const auto found = std::find_if(manifest.entries.begin(), manifest.entries.end(),
+                                    [&](const auto& entry) { return entry.first == name; });
+    return found == manifest.entries.end() ? std::string(kAbsent) : found->second;
+  };
+  std::string text;
+  const auto compare = [&](const std::string& name) {
+    const std::string mine = value_in(*this, name);
+    const std::string other = value_in(there, name);
+    if (mine == other) return;
+    text += fmt::format("{}{} is {} there, and {} here", text.empty() ? "" : "; ", name, other, mine);
+  };
+  for (const auto& entry : entries) compare(entry.first);
+  for (const auto& entry : there.entries)
+    if (value_in(*this, entry.first) == kAbsent) compare(entry.first);
+  return text;
 }
 
-ScratchDirectory ScratchDirectory::open(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_directory(path, error))
-    core::fail(
-        core::Status::kIo,
-        "{}: this rank does not see the scratch directory: it must be on a file system that all hosts share",
-        path.string());
-  return {path, false};
-}
-
-std::filesystem::path ScratchDirectory::spool_path(const std::filesystem::path& directory,
-                                                   std::uint32_t rank) {
-  return directory / fmt::format("{}{:06}{}", kSpoolPrefix, rank, kSpoolSuffix);
-}
-
-void ScratchDirectory::remove() {
-  COLOSSUS_CHECK(is_owner_, "{}", path_.string());
-  is_owner_ = false;
+DirectoryContent look_into(const std::filesystem::path& folder) {
+  DirectoryContent content;
   try {
-    std::vector<std::filesystem::path> spools;
-    for (const auto& entry : std::filesystem::directory_iterator(path_))
-      if (is_spool_name(entry.path().filename().string())) spools.push_back(entry.path());
-    for (const auto& spool : spools) std::filesystem::remove(spool);
-    std::filesystem::remove(path_);
+    content.exists = std::filesystem::exists(std::filesystem::symlink_status(folder));
+    if (!content.exists) return content;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      const std::string name = entry.path().filename().string();
+      if (name == kManifestName)
+        content.has_manifest = true;
+      else if (const auto file = file_of_name(name))
+        content.files.push_back(*file);
+      else
+        content.has_foreign = true;
+    }
   } catch (const std::filesystem::filesystem_error& error) {
-    core::fail(core::Status::kIo, "{}: cannot remove the scratch directory: {}: remove it by hand",
-               path_.string(), error.code().message());
+    core::fail(core::Status::kIo, "{}: cannot read the scratch directory: {}", folder.string(),
+               error.code().message());
   }
+  std::sort(content.files.begin(), content.files.end());
+  return content;
+}
+
+bool create_scratch_directory(const std::filesystem::path& folder) {
+  // mkdir() is atomic.
+  if (::mkdir(folder.c_str(), 0777) == 0) return true;
+  if (errno == EEXIST) return false;
+  core::fail(core::create_status(errno), "{}: cannot create the scratch directory: {}", folder.string(),
+             std::strerror(errno));
+}
+
+void write_manifest(const std::filesystem::path& folder, const Manifest& manifest) {
+  core::File file = core::File::create(folder / kManifestName, true);
+  const std::string text = manifest.text();
+  file.write_at(0, std::as_bytes(std::span(text.data(), text.size())));
+  file.close();
+}
+
+std::optional<Manifest> read_manifest(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / kManifestName;
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  try {
+    const core::Bytes bytes = core::read_file(path);
+    return Manifest::parse({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  } catch (const core::Error& error) {
+    throw core::Error(core::Status::kIo, fmt::format("scratch file {}", error.what()));
+  }
+}
+
+void remove_manifest(const std::filesystem::path& folder) { remove_file(folder / kManifestName); }
+
+void remove_files(const std::filesystem::path& folder, const std::vector<FileId>& files) {
+  for (const FileId& file : files) remove_file(path_of(folder, file));
+}
+
+void remove_scratch_directory(const std::filesystem::path& folder) {
+  remove_files(folder, look_into(folder).files);
+  remove_manifest(folder);
+  if (::rmdir(folder.c_str()) != 0 && errno != ENOENT) fail_removal(folder, std::strerror(errno));
 }
 
 }  // namespace colossus::scratch

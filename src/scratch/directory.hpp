@@ -1,43 +1,56 @@
-// The directory of a build's scratch files.
+// The directory of a build's scratch files: a manifest, and what each rank of each attempt has written.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scratch/record.hpp"
 
 namespace colossus::scratch {
 
-// One rank creates the directory, the others open it; the caller has all ranks wait in between, and before it
-// is removed. The object of the rank that created the directory removes it, with the spool files in it, on
-// destruction too: a build that fails leaves nothing behind. Files that are not ours are never removed.
-class ScratchDirectory {
- public:
-  // Throws Error(kCannotCreate) when `path` exists already, since another build may be using it, or when it
-  // cannot be created; Error(kNoResources) when the disk is full. Parent directories must exist.
-  static ScratchDirectory create(const std::filesystem::path& path);
-  // Throws Error(kIo) when there is no such directory: this host does not see what another one created.
-  static ScratchDirectory open(const std::filesystem::path& path);
+// What the scratch files of a build belong to: all that shapes their content, as names and values for people.
+// The text is one line per entry and a checksum. Its hash is the key of all records.
+struct Manifest {
+  std::vector<std::pair<std::string, std::string>> entries;  // of one line each
 
-  ScratchDirectory(ScratchDirectory&& other) noexcept;
-  ScratchDirectory& operator=(ScratchDirectory&&) = delete;
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  // Warns when the directory cannot be removed.
-  ~ScratchDirectory();
-
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path spool_path(std::uint32_t rank) const { return spool_path(path_, rank); }
-  static std::filesystem::path spool_path(const std::filesystem::path& directory, std::uint32_t rank);
-
-  // Removes the directory now; for the rank that created it. Throws Error(kIo) when something cannot be
-  // removed, or a file that is not ours lies in it.
-  void remove();
-  // The destructor leaves the directory.
-  void keep() { is_owner_ = false; }
-
- private:
-  ScratchDirectory(std::filesystem::path path, bool is_owner);
-
-  std::filesystem::path path_;
-  bool is_owner_ = false;
+  void add(const std::string& name, const std::string& value);
+  std::string text() const;
+  std::uint64_t key() const;
+  // Nothing for a text that is torn, damaged or not one of ours.
+  static std::optional<Manifest> parse(const std::string& text);
+  // What differs, for a message: "leaf_triangles is 8000 there, and 1500 here"; empty for equal ones.
+  std::string difference_from(const Manifest& there) const;
+  friend bool operator==(const Manifest&, const Manifest&) = default;
 };
+
+// What lies in a directory.
+struct DirectoryContent {
+  bool exists = false;
+  bool has_manifest = false;  // a file of that name, whatever is in it
+  bool has_foreign = false;   // files that are not ours
+  std::vector<FileId> files;  // ascending
+};
+DirectoryContent look_into(const std::filesystem::path& folder);
+
+// Creates the directory; its parent must exist. False when there is something of this name already: of two
+// builds that want the same directory, one gets it. Throws Error(kNoResources) or Error(kCannotCreate).
+bool create_scratch_directory(const std::filesystem::path& folder);
+
+// Creates the manifest, which must not exist. Throws like core::File.
+void write_manifest(const std::filesystem::path& folder, const Manifest& manifest);
+// Nothing when there is none, or it is torn or damaged. Throws Error(kIo) when it cannot be read.
+std::optional<Manifest> read_manifest(const std::filesystem::path& folder);
+void remove_manifest(const std::filesystem::path& folder);
+
+// Deletes files; those that are not there are none. Throws Error(kIo).
+void remove_files(const std::filesystem::path& folder, const std::vector<FileId>& files);
+
+// Deletes all our files, the manifest last, and the directory. Throws Error(kIo) when something cannot be
+// removed, or a file that is not ours lies in it, which stays.
+void remove_scratch_directory(const std::filesystem::path& folder);
 
 }  // namespace colossus::scratch

@@ -6,18 +6,15 @@
 #include <cerrno>
 #include <cstring>
 
-#include "scratch/directory.hpp"
-
 namespace colossus::scratch {
 
 MappedSpool::~MappedSpool() {
-  for (const auto& [key, mapping] : mappings_) ::munmap(mapping.address, mapping.size);
+  for (const auto& [ref, mapping] : mappings_) ::munmap(mapping.address, mapping.size);
 }
 
 std::span<const std::byte> MappedSpool::map(const RecordRef& ref) {
-  const Key key{ref.rank, ref.kind, ref.offset, ref.size};
-  if (const auto found = mappings_.find(key); found != mappings_.end()) return found->second.payload;
-  const core::File file = open_spool(directory_, ref.rank);
+  if (const auto found = mappings_.find(ref); found != mappings_.end()) return found->second.payload;
+  const core::File file = open_records(location_, ref.file);
   check_record_fits(file.path(), ref, file.size());
 
   const auto page_bytes = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
@@ -33,9 +30,10 @@ std::span<const std::byte> MappedSpool::map(const RecordRef& ref) {
   const std::span<const std::byte> record =
       std::span(static_cast<const std::byte*>(address), size).subspan(begin - first_page);
   try {
-    check_record(file.path(), ref, record.first(kRecordHeaderBytes), record.subspan(kRecordHeaderBytes));
+    check_record(file.path(), location_.key, ref, record.first(kRecordHeaderBytes),
+                 record.subspan(kRecordHeaderBytes));
     const std::span<const std::byte> payload = record.subspan(kRecordHeaderBytes, ref.size);
-    mappings_.emplace(key, Mapping{address, size, payload});
+    mappings_.emplace(ref, Mapping{address, size, payload});
     return payload;
   } catch (...) {
     ::munmap(address, size);
@@ -46,7 +44,7 @@ std::span<const std::byte> MappedSpool::map(const RecordRef& ref) {
 void MappedSpool::fail_size(const RecordRef& ref, std::size_t value_size) const {
   core::fail(core::Status::kIo,
              "{}: scratch record at byte {}: expected a whole number of values of {} bytes, found {} bytes",
-             ScratchDirectory::spool_path(directory_, ref.rank).string(), ref.offset, value_size, ref.size);
+             path_of(location_.folder, ref.file).string(), ref.offset, value_size, ref.size);
 }
 
 }  // namespace colossus::scratch

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <map>
 #include <span>
-#include <tuple>
+#include <utility>
 
 #include "scratch/spool.hpp"
 
@@ -17,7 +16,7 @@ namespace colossus::scratch {
 // be dropped by the system.
 class MappedSpool {
  public:
-  explicit MappedSpool(std::filesystem::path directory) : directory_(std::move(directory)) {}
+  explicit MappedSpool(Location location) : location_(std::move(location)) {}
   ~MappedSpool();
   MappedSpool(const MappedSpool&) = delete;
   MappedSpool& operator=(const MappedSpool&) = delete;
@@ -45,10 +44,8 @@ class MappedSpool {
   };
   [[noreturn]] void fail_size(const RecordRef& ref, std::size_t value_size) const;
 
-  std::filesystem::path directory_;
-  using Key =
-      std::tuple<std::uint32_t, std::uint32_t, std::uint64_t, std::uint64_t>;  // all members of a RecordRef
-  std::map<Key, Mapping> mappings_;
+  Location location_;
+  std::map<RecordRef, Mapping> mappings_;
 };
 
 }  // namespace colossus::scratch

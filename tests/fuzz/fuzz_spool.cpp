@@ -1,7 +1,8 @@
 // A spool file of arbitrary bytes: reading any record of it gives bytes or an Error, never undefined
-// behaviour, and reading and mapping agree.
+// behaviour, and reading and mapping agree; scanning it finds no record that cannot be read.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -11,7 +12,6 @@
 #include <limits>
 #include <optional>
 
-#include "scratch/directory.hpp"
 #include "scratch/mapped_spool.hpp"
 #include "scratch/spool.hpp"
 
@@ -38,15 +38,17 @@ class FuzzDirectory {
   std::filesystem::path path;
 };
 
-void read_record(const std::filesystem::path& directory, const RecordRef& ref) {
+constexpr FileId kFile{1, 0, 1};
+
+void read_record(const Location& location, const RecordRef& ref) {
   std::optional<Bytes> read;
   std::optional<Bytes> mapped;
   try {
-    read = SpoolReader(directory).read(ref);
+    read = SpoolReader(location).read(ref);
   } catch (const Error&) {
   }
   try {
-    MappedSpool spool(directory);
+    MappedSpool spool(location);
     const auto payload = spool.map(ref);
     mapped = Bytes(payload.begin(), payload.end());
   } catch (const Error&) {
@@ -62,21 +64,25 @@ void read_record(const std::filesystem::path& directory, const RecordRef& ref) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const FuzzDirectory directory;
-  File::create(ScratchDirectory::spool_path(directory.path, 0))
-      .write_at(0, std::as_bytes(std::span(data, size)));
+  const Location location{directory.path, 0};
+  File::create(path_of(directory.path, kFile)).write_at(0, std::as_bytes(std::span(data, size)));
   // What a header at each of the first places would announce, and places where no record can be.
   constexpr std::size_t kMostPlaces = 64;
   for (std::size_t i = 0; i < kMostPlaces && i * 8 + kRecordHeaderBytes <= size; ++i) {
-    RecordRef ref{0, 0, i * 8 + kRecordHeaderBytes, 0};
+    RecordRef ref{kFile, 0, i * 8 + kRecordHeaderBytes, 0};
     std::memcpy(&ref.kind, data + i * 8 + 4, sizeof ref.kind);
     std::memcpy(&ref.size, data + i * 8 + 8, sizeof ref.size);
-    read_record(directory.path, ref);
+    read_record(location, ref);
   }
   constexpr std::uint64_t kHuge = std::numeric_limits<std::uint64_t>::max();
   for (const std::uint64_t offset :
        {std::uint64_t{0}, std::uint64_t{24}, std::uint64_t{25}, std::uint64_t{size}, kHuge, kHuge - 7})
     for (const std::uint64_t record_size :
          {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{size}, kHuge, kHuge - 31})
-      read_record(directory.path, {0, 1, offset, record_size});
+      read_record(location, {kFile, 1, offset, record_size});
+  scan_records(location, kFile, kHuge, [&](const RecordRef& ref, std::span<const std::byte> payload) {
+    const Bytes read = SpoolReader(location).read(ref);
+    if (!std::equal(read.begin(), read.end(), payload.begin(), payload.end())) std::abort();
+  });
   return 0;
 }

@@ -12,79 +12,124 @@ namespace colossus::scratch {
 namespace {
 
 template <typename Action>
-core::Status status_of(const Action& action, std::string* message = nullptr) {
+core::Status status_of(const Action& action) {
   try {
     action();
   } catch (const core::Error& error) {
-    if (message) *message = error.what();
     return error.status();
   }
   return core::Status::kOk;
 }
 
-TEST(ScratchDirectory, IsCreatedExclusivelyAndTheMessageSaysWhatToDo) {
-  const TemporaryDirectory parent;
-  const auto path = parent.path() / "statue.h5.scratch";
-  const ScratchDirectory first = ScratchDirectory::create(path);
-  std::string message;
-  EXPECT_EQ(status_of([&] { ScratchDirectory::create(path); }, &message), core::Status::kCannotCreate);
-  EXPECT_NE(message.find(path.string()), std::string::npos) << message;
-  EXPECT_NE(message.find("remove it"), std::string::npos) << message;
-  EXPECT_TRUE(std::filesystem::exists(path)) << "the failed attempt removed the other's directory";
+Manifest sample_manifest() {
+  Manifest manifest;
+  manifest.add("program", "0.1.0");
+  manifest.add("leaf_triangles", "8000");
+  manifest.add("input 1", "/scans/a: b\\n\n.ply, 17 bytes");
+  return manifest;
 }
 
-TEST(ScratchDirectory, CannotBeCreatedInADirectoryThatIsMissing) {
+void append_one(const std::filesystem::path& folder, const FileId& file) {
+  RecordFile(Location{folder, 0}, file).append(1, {core::Bytes(3)});
+}
+
+TEST(ScratchDirectory, IsCreatedByOneOfTwo) {
   const TemporaryDirectory parent;
-  EXPECT_EQ(status_of([&] { ScratchDirectory::create(parent.path() / "none" / "scratch"); }),
+  const auto path = parent.path() / "statue.h5.scratch";
+  EXPECT_FALSE(look_into(path).exists);
+  EXPECT_TRUE(create_scratch_directory(path));
+  EXPECT_FALSE(create_scratch_directory(path));
+  EXPECT_TRUE(look_into(path).exists);
+  std::ofstream(parent.path() / "file") << "no directory";
+  EXPECT_FALSE(create_scratch_directory(parent.path() / "file"));
+  EXPECT_EQ(status_of([&] { create_scratch_directory(parent.path() / "none" / "scratch"); }),
             core::Status::kCannotCreate);
 }
 
-TEST(ScratchDirectory, OpenNeedsADirectory) {
-  const TemporaryDirectory parent;
-  EXPECT_EQ(status_of([&] { ScratchDirectory::open(parent.path() / "none"); }), core::Status::kIo);
-  EXPECT_EQ(ScratchDirectory::open(parent.path()).path(), parent.path());
-  EXPECT_TRUE(std::filesystem::exists(parent.path())) << "who opens a directory must not remove it";
+TEST(ScratchDirectory, FileNamesAndFilesCorrespond) {
+  for (const FileId& file : {FileId{1, 0, 0}, FileId{1, 0, kJournalStream}, FileId{12, 345, 67},
+                             FileId{65535, 65535, 65534}, FileId{65535, 65535, kJournalStream}})
+    EXPECT_EQ(file_of_name(path_of("folder", file).filename().string()), file);
+  for (const char* name :
+       {"", "notes.txt", "manifest", "attempt-0001-rank-00003", "attempt-0001-rank-00003.journal.bak",
+        "attempt-1-rank-3.journal", "attempt-0001-rank-00003-stream-00007",
+        "attempt-0001-rank-00003-stream-.spool", "attempt-0001-rank-70000.journal",
+        "attempt-0001-rank-00003-stream-65535.spool", "attempt-99999999999999999999-rank-00003.journal",
+        "attempt-0001-rank-00003.spool"})
+    EXPECT_EQ(file_of_name(name), std::nullopt) << name;
 }
 
-TEST(ScratchDirectory, RemovesItselfWithItsSpools) {
+TEST(ScratchDirectory, ContentIsOursOrForeign) {
+  const TemporaryDirectory folder;
+  EXPECT_TRUE(look_into(folder.path()).files.empty());
+  append_one(folder.path(), {2, 0, 1});
+  append_one(folder.path(), {1, 3, kJournalStream});
+  write_manifest(folder.path(), sample_manifest());
+  DirectoryContent content = look_into(folder.path());
+  EXPECT_EQ(content.files, (std::vector<FileId>{{1, 3, kJournalStream}, {2, 0, 1}}));
+  EXPECT_TRUE(content.has_manifest);
+  EXPECT_FALSE(content.has_foreign);
+  std::ofstream(folder.path() / "notes.txt") << "precious";
+  EXPECT_TRUE(look_into(folder.path()).has_foreign);
+}
+
+TEST(ScratchDirectory, IsRemovedWithItsFilesButNeverWithOthers) {
   const TemporaryDirectory parent;
   const auto path = parent.path() / "scratch";
-  ScratchDirectory directory = ScratchDirectory::create(path);
-  SpoolWriter(path, 0);
-  SpoolWriter(path, 1'234'567);
-  EXPECT_TRUE(std::filesystem::exists(directory.spool_path(1'234'567)));
-  directory.remove();
+  create_scratch_directory(path);
+  write_manifest(path, sample_manifest());
+  append_one(path, {1, 0, kJournalStream});
+  append_one(path, {9, 1234, 5});
+  remove_scratch_directory(path);
   EXPECT_FALSE(std::filesystem::exists(path));
-}
-
-TEST(ScratchDirectory, IsRemovedWhenItsOwnerIsDestroyedUnlessKept) {
-  const TemporaryDirectory parent;
-  const auto path = parent.path() / "scratch";
-  {
-    const ScratchDirectory first = ScratchDirectory::create(path);
-    SpoolWriter(path, 3);
-  }
-  EXPECT_FALSE(std::filesystem::exists(path));
-  {
-    ScratchDirectory second = ScratchDirectory::create(path);
-    ScratchDirectory moved = std::move(second);
-    moved.keep();
-  }
-  EXPECT_TRUE(std::filesystem::exists(path));
-}
-
-TEST(ScratchDirectory, NeverRemovesFilesThatAreNotItsOwn) {
-  const TemporaryDirectory parent;
-  const auto path = parent.path() / "scratch";
-  for (const char* name : {"notes.txt", "rank-.spool", "rank-1x.spool", "rank-000001.spool.bak"}) {
-    ScratchDirectory directory = ScratchDirectory::create(path);
-    SpoolWriter(path, 3);
+  for (const char* name : {"notes.txt", "manifest.bak", "attempt-0001-rank-00003.journal.bak"}) {
+    create_scratch_directory(path);
+    append_one(path, {1, 0, 4});
     std::ofstream(path / name) << "precious";
-    EXPECT_EQ(status_of([&] { directory.remove(); }), core::Status::kIo);
+    EXPECT_EQ(status_of([&] { remove_scratch_directory(path); }), core::Status::kIo);
     EXPECT_TRUE(std::filesystem::exists(path / name)) << name;
-    EXPECT_FALSE(std::filesystem::exists(directory.spool_path(3)));
+    EXPECT_FALSE(std::filesystem::exists(path_of(path, {1, 0, 4})));
     std::filesystem::remove_all(path);
   }
+}
+
+TEST(Manifest, IsReadAsItWasWritten) {
+  const TemporaryDirectory folder;
+  EXPECT_EQ(read_manifest(folder.path()), std::nullopt);
+  write_manifest(folder.path(), sample_manifest());
+  EXPECT_EQ(status_of([&] { write_manifest(folder.path(), sample_manifest()); }),
+            core::Status::kCannotCreate);
+  const auto read = read_manifest(folder.path());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->entries, sample_manifest().entries);
+  EXPECT_EQ(read->key(), sample_manifest().key());
+  EXPECT_EQ(sample_manifest().difference_from(*read), "");
+}
+
+TEST(Manifest, IsNothingWhenTornOrDamagedAnywhere) {
+  const std::string text = sample_manifest().text();
+  ASSERT_TRUE(Manifest::parse(text));
+  for (std::size_t size = 0; size < text.size(); ++size)
+    EXPECT_EQ(Manifest::parse(text.substr(0, size)), std::nullopt) << size;
+  for (std::size_t byte = 0; byte < text.size(); ++byte)
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string damaged = text;
+      damaged[byte] = static_cast<char>(damaged[byte] ^ 1 << bit);
+      EXPECT_EQ(Manifest::parse(damaged), std::nullopt) << "byte " << byte << " bit " << bit;
+    }
+  EXPECT_EQ(Manifest::parse(text + "\n"), std::nullopt);
+}
+
+TEST(Manifest, SaysWhatDiffers) {
+  Manifest other = sample_manifest();
+  other.entries[1].second = "1500";
+  EXPECT_EQ(other.difference_from(sample_manifest()), "leaf_triangles is 8000 there, and 1500 here");
+  EXPECT_NE(other.key(), sample_manifest().key());
+  other.entries.pop_back();
+  other.add("levels", "3");
+  EXPECT_EQ(other.difference_from(sample_manifest()),
+            "leaf_triangles is 8000 there, and 1500 here; levels is absent there, and 3 here; input 1 is "
+            "/scans/a: b\\\\n\\n.ply, 17 bytes there, and absent here");
 }
 
 }  // namespace

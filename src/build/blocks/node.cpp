@@ -233,7 +233,7 @@ class Block {
     row.payload_bytes = chunk.payload_bytes;
     row.stored_bytes = chunk.frame.size();
     row.checksum = chunk.checksum;
-    node.chunk = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
+    node.chunk = workspace_.writer.append_kept(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
     node.statistics.angles = simplify::count_small_angles(mesh);
     node.displacement = settings_.input_error(cube.record.displacement);
     return node;

@@ -174,7 +174,8 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
   row.payload_bytes = chunk.payload_bytes;
   row.stored_bytes = chunk.frame.size();
   row.checksum = chunk.checksum;
-  result.node.chunk = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
+  result.node.chunk =
+      workspace.writer.append_kept(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
   if (!task.is_leaf)
     for (const PlacedMesh& part : parts)
       result.tetrahedra.push_back(store_tetrahedron(workspace, {task.center, part.place}, part.content));

@@ -1,0 +1,62 @@
+#include "build/inputs.hpp"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "core/error.hpp"
+#include "input/source.hpp"
+
+namespace colossus::build {
+namespace {
+
+InputStamp stamp_of(const std::filesystem::path& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0)
+    core::fail(core::Status::kBadData, "{}: cannot open: {}", path.string(), std::strerror(errno));
+  return {std::filesystem::absolute(path), static_cast<std::uint64_t>(info.st_size),
+          std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec};
+}
+
+std::string describe(const InputStamp& stamp) {
+  return fmt::format("{} bytes modified at {}.{:09} s", stamp.bytes, stamp.modified / 1'000'000'000,
+                     stamp.modified % 1'000'000'000);
+}
+
+}  // namespace
+
+std::vector<InputStamp> stamps_of_inputs(const BuildOptions& options) {
+  std::vector<InputStamp> stamps;
+  for (const auto& path : input::expand_inputs(options.inputs)) stamps.push_back(stamp_of(path));
+  return stamps;
+}
+
+void check_unchanged(const std::vector<InputStamp>& before) {
+  for (const InputStamp& stamp : before) {
+    const InputStamp now = stamp_of(stamp.path);
+    if (now.bytes == stamp.bytes && now.modified == stamp.modified) continue;
+    core::fail(core::Status::kBadData,
+               "{}: was changed while it was read: expected {}, found {}: run again when it is complete",
+               stamp.path.string(), describe(stamp), describe(now));
+  }
+}
+
+scratch::Manifest manifest_of(const BuildOptions& options, const std::vector<InputStamp>& inputs) {
+  scratch::Manifest manifest;
+  manifest.add("program", COLOSSUS_VERSION);
+  manifest.add("scheme", options.scheme);
+  manifest.add("leaf_triangles", fmt::format("{}", options.leaf_triangles));
+  manifest.add("position_bits", fmt::format("{}", options.position_bits));
+  if (options.tolerance) manifest.add("tolerance", fmt::format("{}", *options.tolerance));
+  manifest.add("drop_textures", options.drop_textures ? "true" : "false");
+  if (options.levels) manifest.add("levels", fmt::format("{}", *options.levels));
+  if (options.block_size) manifest.add("block_size", fmt::format("{}", *options.block_size));
+  manifest.add("color_weight", fmt::format("{}", options.color_weight));
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    manifest.add(fmt::format("input {}", i + 1),
+                 fmt::format("{}, {}", inputs[i].path.string(), describe(inputs[i])));
+  return manifest;
+}
+
+}  // namespace colossus::build

@@ -1,0 +1,27 @@
+// Opens a build's scratch directory: a new one, or one that an interrupted attempt has left.
+#pragma once
+
+#include <filesystem>
+
+#include "build/progress.hpp"
+#include "cluster/communicator.hpp"
+#include "scratch/directory.hpp"
+
+namespace colossus::build {
+
+struct OpenedScratch {
+  scratch::Location location;
+  Progress progress;
+};
+
+// Collective. Only rank 0's `manifest` is used. Creates the directory, or with `may_resume` continues one
+// that is there; all ranks then have proved that they see the same one. What earlier attempts have finished
+// is checked, by all ranks together; what is damaged is as if it had not been done. Throws
+// - Error(kCannotCreate) when there is something of this name that cannot be continued;
+// - Error(kUsage) when it belongs to another build; the message says what differs;
+// - Error(kIo) when a rank does not see the directory, and for failures of the file system.
+// Leaves no directory behind that it has created when it throws.
+OpenedScratch open_scratch(const cluster::Communicator& ranks, const std::filesystem::path& folder,
+                           bool may_resume, const scratch::Manifest& manifest);
+
+}  // namespace colossus::build
