@@ -228,7 +228,7 @@ void BucketMesh::count_edges() {
 }
 
 std::uint64_t bucket_mesh_bytes(std::uint64_t triangles, std::uint64_t vertices_of_pieces) {
-  return 200 * triangles + 100 * vertices_of_pieces;
+  return 150 * triangles + 50 * vertices_of_pieces;
 }
 
 }  // namespace colossus::build

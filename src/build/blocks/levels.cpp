@@ -103,7 +103,7 @@ class BlockLevelBuilder {
     run_phase(
         workspace_, name, tasks.size(),
         [&](std::size_t i) {
-          require_memory(workspace_, block_bytes(tasks[i].triangles),
+          require_memory(workspace_, block_bytes(settings_, tasks[i].triangles),
                          fmt::format("a block of {} triangles in {}", tasks[i].triangles, name));
           return make_task(tasks[i]).to_bytes();
         },

@@ -297,7 +297,9 @@ BlockResult BlockResult::from_bytes(std::span<const std::byte> bytes) {
   return result;
 }
 
-std::uint64_t block_bytes(std::uint64_t triangles) { return 400 * triangles; }
+std::uint64_t block_bytes(const BlockSettings& settings, std::uint64_t triangles) {
+  return (settings.has_colors && settings.color_weight > 0.0 ? 360 : 290) * triangles;
+}
 
 BlockResult build_block(const Workspace& workspace, const BlockSettings& settings, const BlockTask& task) {
   return Block(workspace, settings, task).run();

@@ -43,7 +43,7 @@ struct BlockSettings {
 };
 
 // An upper estimate of the memory of build_block() for so many triangles of its cubes.
-std::uint64_t block_bytes(std::uint64_t triangles);
+std::uint64_t block_bytes(const BlockSettings& settings, std::uint64_t triangles);
 
 // Simplifies the block to a quarter of its triangles with its border locked, splits the result into the
 // parents along the map, and encodes the cubes with the map to their parents' vertices (paper 001,
