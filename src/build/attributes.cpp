@@ -114,8 +114,7 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
                                           const Rounding& rounding) {
   const std::vector<std::size_t> filled = filled_buckets(buckets.buckets);
   std::vector<BucketRecord> records(filled.size());
-  std::vector<std::size_t> record_of(buckets.buckets.size());
-  for (std::size_t i = 0; i < filled.size(); ++i) record_of[filled[i]] = i;
+  std::vector<std::vector<ForNeighbor>> lists(filled.size());
   run_phase(
       workspace, "attributes", filled.size(),
       [&](std::size_t i) {
@@ -142,8 +141,7 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
         records[i].cube = buckets.buckets[filled[i]].cube;
         records[i].triangle_count = buckets.buckets[filled[i]].triangle_count;
         records[i].mesh = result.mesh;
-        for (const ForNeighbor& list : result.lists)
-          records[record_of[list.bucket]].from_neighbors.push_back(list.record);
+        lists[i] = result.lists;
         catalog.counts.merged_vertices += result.counts.merged_vertices;
         catalog.counts.attribute_seams += result.counts.attribute_seams;
         catalog.counts.duplicate += result.counts.duplicates;
@@ -151,6 +149,12 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
         catalog.counts.nonmanifold_edges += result.counts.nonmanifold_edges;
       });
   broadcast_value(workspace.ranks, catalog.counts);
+  // In the order of the buckets, not of arrival: tasks are made of this.
+  std::vector<std::size_t> record_of(buckets.buckets.size());
+  for (std::size_t i = 0; i < filled.size(); ++i) record_of[filled[i]] = i;
+  for (const auto& of_bucket : lists)
+    for (const ForNeighbor& list : of_bucket)
+      records[record_of[list.bucket]].from_neighbors.push_back(list.record);
   return records;
 }
 

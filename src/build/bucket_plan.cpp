@@ -68,9 +68,10 @@ class BucketPlanner {
         groups_(groups),
         rounding_(rounding),
         most_depth_(most_depth),
-        limit_(std::max(kLeastBucketTriangles, kLeavesPerBucket * workspace.options.leaf_triangles)) {}
+        limit_(std::max(kLeastBucketTriangles, kLeavesPerBucket * workspace.options.leaf_triangles)),
+        cells_of_groups_(groups.size(), 1) {}
 
-  BucketTree run() {
+  BucketPlan run() {
     cubes_ = {{{0, 0, 0, 0}, levels_for(catalog_.counts.triangles, most_depth_)}};
     if (catalog_.counts.triangles <= limit_) cubes_[0].finer = 0;
     for (bool is_first = true;; is_first = false) {
@@ -81,7 +82,11 @@ class BucketPlanner {
     }
     std::vector<Cube> cubes;
     for (const CountedCube& c : cubes_) cubes.push_back(c.cube);
-    return BucketTree(std::move(cubes));
+    BucketPlan plan{BucketTree(std::move(cubes)), 0};
+    for (const std::uint64_t cells : cells_of_groups_)
+      plan.piece_count += std::min<std::uint64_t>(cells, cubes_.size());
+    broadcast_value(workspace_.ranks, plan.piece_count);
+    return plan;
   }
 
  private:
@@ -103,10 +108,10 @@ class BucketPlanner {
         workspace_, passes_ == 1 ? "centroids" : fmt::format("centroids {}", passes_), groups_.size(),
         [&](std::size_t i) { return group_task(groups_[i]); },
         [&](std::span<const std::byte> task) { return count_group(task, tree, counters); },
-        [&](std::size_t, const Bytes& result) {
-          for (const CellCount& c :
-               ByteReader(result).get_array<CellCount>(result.size() / sizeof(CellCount)))
-            counts_[c.cell] += c.count;
+        [&](std::size_t i, const Bytes& result) {
+          const std::size_t cells = result.size() / sizeof(CellCount);
+          cells_of_groups_[i] += cells;
+          for (const CellCount& c : ByteReader(result).get_array<CellCount>(cells)) counts_[c.cell] += c.count;
         });
   }
 
@@ -199,11 +204,12 @@ class BucketPlanner {
   int passes_ = 0;
   std::vector<CountedCube> cubes_;     // as many as tile the root cube
   std::vector<std::uint64_t> counts_;  // on rank 0
+  std::vector<std::uint64_t> cells_of_groups_;
 };
 
 }  // namespace
 
-BucketTree plan_buckets(const Workspace& workspace, const Catalog& catalog,
+BucketPlan plan_buckets(const Workspace& workspace, const Catalog& catalog,
                         std::span<const TriangleGroup> groups, const Rounding& rounding, int most_depth) {
   return BucketPlanner(workspace, catalog, groups, rounding, most_depth).run();
 }

@@ -17,11 +17,17 @@ struct Rounding {
   }
 };
 
+struct BucketPlan {
+  BucketTree tree;
+  // At most so many pairs of a group and a bucket that it has centroids in.
+  std::uint64_t piece_count = 0;
+};
+
 // The same on all ranks. Cubes hold at most some 10^5 centroids of triangles that rounding leaves three
 // corners, or eight leaves' if that is more; twice as many where the surface is crowded, and more where it is
 // so crowded that seven more levels would not thin it out, or at `most_depth`. The counts cost one pass over
 // the groups, and another one for each seven levels that a crowd needs. Collective.
-BucketTree plan_buckets(const Workspace& workspace, const Catalog& catalog,
+BucketPlan plan_buckets(const Workspace& workspace, const Catalog& catalog,
                         std::span<const TriangleGroup> groups, const Rounding& rounding, int most_depth);
 
 }  // namespace colossus::build

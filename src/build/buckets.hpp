@@ -17,11 +17,19 @@ struct Buckets {
   std::vector<Bucket> buckets;  // by their number in the tree; on rank 0
 };
 
+struct BucketOptions {
+  int most_depth = 0;
+  // Rank 0 knows 40 bytes of each piece. Where a group would be torn into more pieces than this in total,
+  // since the order of its triangles is not that of space, triangles go to runs of buckets first, and from
+  // there to buckets: each is written twice, but the pieces are some 100 times fewer.
+  std::uint64_t most_pieces = std::uint64_t{1} << 20;
+};
+
 // Sends every triangle that has three corners on the lattice to all buckets that its bounding box meets, once
 // it is rounded: a bucket gets all triangles around any position in its cube. Triangles that lose a corner to
 // rounding are sent too, since they have a normal. Counts those that lose one to lattice or rounding in the
-// catalogue, on rank 0. No bucket is deeper than `most_depth`. Collective.
+// catalogue, on rank 0. Collective.
 Buckets fill_buckets(const Workspace& workspace, Catalog& catalog, std::span<const TriangleGroup> groups,
-                     const Rounding& rounding, int most_depth);
+                     const Rounding& rounding, const BucketOptions& options);
 
 }  // namespace colossus::build

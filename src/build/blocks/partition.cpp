@@ -222,7 +222,7 @@ Grid choose_grid(const Workspace& workspace, const Catalog& catalog, std::span<c
 CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, const Grid& grid,
                               std::span<const TriangleGroup> groups) {
   const Rounding rounding{grid.spacing()};
-  Buckets filled = fill_buckets(workspace, catalog, groups, rounding, grid.levels);
+  Buckets filled = fill_buckets(workspace, catalog, groups, rounding, {grid.levels});
   const std::vector<BucketRecord> buckets = give_attributes(workspace, catalog, std::move(filled), rounding);
   CubePartition partition;
   run_phase(

@@ -193,7 +193,7 @@ class Partitioner {
  private:
   void cut_buckets() {
     std::vector<TriangleGroup> groups = join_vertices(workspace_, catalog_);
-    Buckets filled = fill_buckets(workspace_, catalog_, groups, {}, hierarchy::kMaxLevel / 3);
+    Buckets filled = fill_buckets(workspace_, catalog_, groups, {}, {hierarchy::kMaxLevel / 3});
     groups = {};
     const std::vector<BucketRecord> buckets = give_attributes(workspace_, catalog_, std::move(filled), {});
     std::vector<Refinement> results(buckets.size());
