@@ -82,10 +82,12 @@ std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const
   std::vector<container::NodeRow> rows;
   rows.reserve(hierarchy.nodes.size());
   for (const StoredNode& node : hierarchy.nodes) rows.push_back(node.row);
+  workspace.reporter.begin_phase("assembly", hierarchy.nodes.size(), 0);
   writer.add_nodes(metadata_of(workspace.options, catalog, scheme, hierarchy), std::move(rows));
   for (const StoredNode& node : hierarchy.nodes) {
     cluster::throw_if_stop_requested();
     writer.append_chunk(workspace.reader.read(node.chunk));
+    workspace.reporter.finish_task();
   }
   check_not_superseded(workspace);
   writer.commit();

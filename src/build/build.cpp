@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "build/assemble.hpp"
+#include "build/estimate.hpp"
 #include "build/inputs.hpp"
 #include "build/memory.hpp"
 #include "build/restart.hpp"
@@ -62,13 +63,20 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme,
   core::log("lattice: step {} (input vertices moved by at most {}), origin {} {} {}", catalog.lattice.step,
             catalog.lattice.input_error(), catalog.lattice.origin[0], catalog.lattice.origin[1],
             catalog.lattice.origin[2]);
-  const Hierarchy hierarchy = scheme.build(workspace, catalog);
+  workspace.reporter.set_input(catalog);
+  announce_estimate(workspace, catalog);
 
   BuildReport report;
   report.input_triangles = catalog.counts.triangles;
+  report.is_dry_run = workspace.options.is_dry_run;
+  if (report.is_dry_run) return report;
+  const Hierarchy hierarchy = scheme.build(workspace, catalog);
+  workspace.reporter.set_input(catalog);
   ranks.attempt([&] {
     if (ranks.is_root()) report.output_bytes = assemble(workspace, catalog, scheme.name, hierarchy);
   });
+  workspace.reporter.end_phase({});
+  workspace.reporter.set_output(hierarchy, report.output_bytes);
   report.nodes = hierarchy.nodes.size();
   broadcast_value(ranks, report);
   core::log("memory: at most {} per rank of {}", size_text(greatest_peak_memory(ranks)),
@@ -94,10 +102,7 @@ cluster::AgreedError with_advice(const core::Error& error, const std::filesystem
                                       error.what(), scratch.string())};
 }
 
-}  // namespace
-
-BuildReport build(const cluster::Communicator& ranks, const BuildOptions& options) {
-  check_options(ranks, options);
+BuildReport build_with(const cluster::Communicator& ranks, const BuildOptions& options, Reporter& reporter) {
   const std::uint64_t memory_bytes = memory_per_rank(ranks, options.memory);
   cluster::watch_for_stop(ranks, options.time_limit);
   std::filesystem::path folder = options.scratch;
@@ -112,12 +117,14 @@ BuildReport build(const cluster::Communicator& ranks, const BuildOptions& option
   std::optional<core::Error> failure;
   {
     OpenedScratch opened = open_scratch(ranks, folder, options.resume, manifest_of(options, inputs));
+    reporter.set_attempt(opened.progress.journal.attempt());
     scratch::SpoolWriter writer(opened.location, opened.progress.journal.attempt(),
                                 static_cast<std::uint16_t>(ranks.rank()));
     scratch::SpoolReader reader(opened.location);
     try {
-      report = run_phases({ranks, options, opened.location, writer, reader, memory_bytes, opened.progress},
-                          scheme_named(options.scheme), inputs);
+      report = run_phases(
+          {ranks, options, opened.location, writer, reader, memory_bytes, opened.progress, reporter},
+          scheme_named(options.scheme), inputs);
     } catch (const cluster::AgreedError& error) {
       failure = error;
     }
@@ -134,6 +141,21 @@ BuildReport build(const cluster::Communicator& ranks, const BuildOptions& option
   const cluster::AgreedError agreed = with_advice(*failure, folder);
   if (agreed.status() == core::Status::kStopped) core::log_line(agreed.what());
   throw agreed;
+}
+
+}  // namespace
+
+BuildReport build(const cluster::Communicator& ranks, const BuildOptions& options) {
+  check_options(ranks, options);
+  Reporter reporter(ranks, options);
+  try {
+    const BuildReport report = build_with(ranks, options, reporter);
+    reporter.finish(nullptr);
+    return report;
+  } catch (const cluster::AgreedError& error) {
+    reporter.finish(&error);
+    throw;
+  }
 }
 
 }  // namespace colossus::build

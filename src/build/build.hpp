@@ -10,6 +10,7 @@ struct BuildReport {
   std::uint64_t input_triangles = 0;
   std::uint64_t nodes = 0;
   std::uint64_t output_bytes = 0;
+  bool is_dry_run = false;  // nothing was built
 };
 
 // Builds options.output. Collective, once per program: signals to stop are watched for from then on. On any

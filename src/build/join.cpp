@@ -138,6 +138,7 @@ class Joiner {
     }
     finish_range();
     group.triangle_count = triangles.size();
+    workspace_.reporter.add_triangles(group.triangle_count);
     group.triangles = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kGroupTriangles),
                                                core::as_bytes(triangles));
     return group;
@@ -261,6 +262,7 @@ Piece load_group(const Workspace& workspace, const Catalog& catalog, std::span<c
   }
   const Bytes bytes = workspace.reader.read(group.triangles);
   piece.triangles = ByteReader(bytes).get_array<mesh::Triangle>(group.triangle_count);
+  workspace.reporter.add_triangles(group.triangle_count);
   return piece;
 }
 

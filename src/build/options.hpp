@@ -24,6 +24,10 @@ struct BuildOptions {
   std::optional<double> tolerance;  // world units; chooses position_bits
   bool drop_textures = false;
   std::optional<std::string> memory;  // per rank, see parse_size(); else a share of the host's
+  std::filesystem::path status_file;  // empty: none; see schemas/
+  std::filesystem::path report_file;
+  bool is_dry_run = false;           // ends after the estimate
+  std::vector<std::string> command;  // the words of the command line, for the report
   // Of blocks alone.
   std::optional<int> levels;      // the deepest level, instead of the one that leaf_triangles gives
   std::optional<int> block_size;  // cubes along a block

@@ -82,10 +82,22 @@ void run_phase(const Workspace& workspace, const std::string& name, std::size_t 
     rest = replay(workspace, name, task_count, make_task, on_result);
   });
   const std::uint64_t name_hash = hash_of_name(name);
-  cluster::run_farm(
+  workspace.reporter.begin_phase(name, task_count, task_count - rest.size());
+  const scratch::SpoolWriter::Ends before = workspace.writer.ends();
+  const cluster::FarmShare share = cluster::run_farm(
       workspace.ranks, rest.size(), [&](std::size_t i) { return with_number(rest[i], make_task(rest[i])); },
       [&](std::span<const std::byte> task) { return work_and_record(workspace, name_hash, task, work); },
-      [&](std::size_t i, Bytes result) { on_result(rest[i], std::move(result)); });
+      [&](std::size_t i, Bytes result) {
+        on_result(rest[i], std::move(result));
+        workspace.reporter.finish_task();
+      });
+  PhaseShare mine;
+  mine.tasks = share.task_count;
+  mine.work_seconds = share.work_seconds;
+  for (const scratch::Extent& extent : workspace.writer.extents_since(before))
+    mine.scratch_bytes += extent.end - extent.begin;
+  workspace.reporter.end_phase(mine);
+  if (workspace.ranks.is_root()) workspace.reporter.note_scratch(scratch::bytes_in(workspace.scratch.folder));
 }
 
 std::uint32_t last_phase(const Workspace& workspace) { return workspace.progress.phase_count; }

@@ -85,6 +85,7 @@ void load_piece(const Workspace& workspace, const Catalog& catalog, const scratc
   else
     add(reader.get_array<mesh::Triangle>(header.triangles));
   COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
+  workspace.reporter.add_triangles(header.triangles);
 }
 
 Piece PieceCutter::take(std::span<const std::uint32_t> triangles) {

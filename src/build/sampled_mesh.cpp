@@ -22,6 +22,7 @@ SampledMesh load(const Workspace& workspace, const scratch::RecordRef& record) {
   content.mesh.triangles = reader.get_array<mesh::Triangle>(counts[1]);
   content.samples = reader.get_array<simplify::SurfaceSample>(counts[2]);
   COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
+  workspace.reporter.add_triangles(counts[1]);
   return content;
 }
 

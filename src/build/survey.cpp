@@ -79,6 +79,7 @@ class ScratchSink : public input::BlockSink {
     ref.record = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kTriangles),
                                           core::as_bytes(block.triangles));
     triangle_blocks.push_back(ref);
+    workspace_.reporter.add_triangles(ref.count);
   }
 
   void odd_faces(const input::OddFaces& odd) override {

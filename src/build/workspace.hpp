@@ -2,6 +2,7 @@
 #pragma once
 
 #include "build/options.hpp"
+#include "build/reporter.hpp"
 #include "cluster/communicator.hpp"
 #include "core/bytes.hpp"
 #include "scratch/spool.hpp"
@@ -18,6 +19,7 @@ struct Workspace {
   scratch::SpoolReader& reader;
   std::uint64_t memory_bytes;  // that this rank may use
   Progress& progress;
+  Reporter& reporter;
 };
 
 // Sends what rank 0 has to all ranks. Collective.

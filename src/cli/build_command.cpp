@@ -55,13 +55,24 @@ void add_build(CLI::App& app, Action& chosen) {
   command->add_option(
       "--memory", options->memory,
       "Most memory per rank, e.g. 512M or 2G, at least 256M; default: its share of the host's");
+  command->add_flag("--dry-run", options->is_dry_run,
+                    "Read the input, tell what the build will need, and end");
+  command->add_option("--status", options->status_file,
+                      "Keep how far the build is in this file, a small JSON");
+  command->add_option("--report", options->report_file,
+                      "Write what was done, how long it took and what it used to this file, a JSON");
   command->callback([&chosen, options, time_limit] {
     chosen = [options, time_limit](int& argc, char**& argv) {
       return cluster::run_ranks(argc, argv, [&](cluster::Communicator& ranks) {
+        options->command.assign(argv, argv + argc);
         if (!time_limit->empty()) options->time_limit = seconds_of(*time_limit);
         core::log("colossus {} build, {} ranks, leaf triangles {}", COLOSSUS_VERSION, ranks.size(),
                   options->leaf_triangles);
         const build::BuildReport report = build::build(ranks, *options);
+        if (report.is_dry_run) {
+          core::log("done: nothing was built (--dry-run)");
+          return 0;
+        }
         core::log("done: {} triangles into {} nodes, {} bytes: {}", report.input_triangles, report.nodes,
                   report.output_bytes, options->output.string());
         return 0;

@@ -116,6 +116,17 @@ DirectoryContent look_into(const std::filesystem::path& folder) {
   return content;
 }
 
+std::uint64_t bytes_in(const std::filesystem::path& folder) {
+  std::uint64_t bytes = 0;
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    std::error_code unreadable;
+    const std::uintmax_t size = at->file_size(unreadable);
+    if (!unreadable) bytes += size;
+  }
+  return bytes;
+}
+
 bool create_scratch_directory(const std::filesystem::path& folder) {
   // mkdir() is atomic.
   if (::mkdir(folder.c_str(), 0777) == 0) return true;

@@ -36,6 +36,9 @@ struct DirectoryContent {
 };
 DirectoryContent look_into(const std::filesystem::path& folder);
 
+// How long all files in it are together; what cannot be read counts nothing.
+std::uint64_t bytes_in(const std::filesystem::path& folder);
+
 // Creates the directory; its parent must exist. False when there is something of this name already: of two
 // builds that want the same directory, one gets it. Throws Error(kNoResources) or Error(kCannotCreate).
 bool create_scratch_directory(const std::filesystem::path& folder);

@@ -1,0 +1,106 @@
+// What a build says of itself while it runs and afterwards: log lines, --status and --report. Nothing of it
+// reaches the container.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "build/catalog.hpp"
+#include "build/hierarchy.hpp"
+#include "build/options.hpp"
+#include "cluster/communicator.hpp"
+#include "core/error.hpp"
+
+namespace colossus::build {
+
+// Of one rank in one phase.
+struct PhaseShare {
+  std::uint64_t tasks = 0;          // that it worked on
+  std::uint64_t triangles = 0;      // that went into them
+  std::uint64_t scratch_bytes = 0;  // that it appended
+  std::uint64_t peak_memory_bytes = 0;
+  double work_seconds = 0.0;
+};
+
+// Sums, in the units of the report; see schemas/report.schema.json.
+struct BuildEstimate {
+  std::uint64_t memory_bytes_per_rank = 0;
+  std::uint64_t scratch_bytes = 0;
+  std::uint64_t output_bytes = 0;
+  std::uint64_t free_scratch_bytes = 0;
+  std::uint64_t free_output_bytes = 0;
+};
+
+class Reporter {
+ public:
+  // Collective. Throws Error(kCannotCreate) on all ranks when --status or --report name files that cannot be
+  // written: better now than after hours.
+  Reporter(const cluster::Communicator& ranks, const BuildOptions& options);
+
+  // Not collective: what the task at hand has to do.
+  void add_triangles(std::uint64_t count) { triangles_ += count; }
+
+  // The following do nothing but on rank 0.
+  void begin_phase(const std::string& name, std::size_t task_count, std::size_t resumed_count);
+  // After each task; writes a log line every half minute, and the status file every second.
+  void finish_task();
+  void set_attempt(int attempt) { attempt_ = attempt; }
+  void set_estimate(const BuildEstimate& estimate) { estimate_ = estimate; }
+  // Of all ranks, now.
+  void note_scratch(std::uint64_t bytes) { most_scratch_bytes_ = std::max(most_scratch_bytes_, bytes); }
+  void set_input(const Catalog& catalog);
+  void set_output(const Hierarchy& hierarchy, std::uint64_t output_bytes);
+
+  // Collective. Ends the phase; `mine` without triangles and memory, which this knows.
+  void end_phase(PhaseShare mine);
+
+  // Collective. Writes the last status and the report; `failure` is how the build ended, if not well.
+  // Failures to write are warnings: the container is complete all the same.
+  void finish(const core::Error* failure);
+
+ private:
+  struct Phase {
+    std::string name;
+    std::size_t tasks = 0;
+    std::size_t resumed = 0;
+    double seconds = 0.0;
+    std::vector<PhaseShare> shares;  // by rank; empty when the phase was not finished
+  };
+  using Clock = std::chrono::steady_clock;
+
+  std::string status_json(const char* state) const;
+  std::string report_json(const core::Error* failure) const;
+  void write_status(const char* state);
+  void replace_or_warn(const std::filesystem::path& path, const std::string& text);
+  std::string progress_line() const;
+  double phase_seconds() const;
+
+  const cluster::Communicator& ranks_;
+  const BuildOptions& options_;
+  std::vector<std::string> hosts_;  // by rank
+  std::string begin_;               // ISO time
+  std::uint64_t triangles_ = 0;     // of the phase at hand, on this rank
+  std::vector<Phase> phases_;       // the last one is at hand
+  std::size_t done_ = 0;            // of its tasks
+  Clock::time_point phase_begin_;
+  Clock::time_point last_line_;
+  Clock::time_point last_status_;
+  std::vector<std::uint64_t> peak_memory_;  // by rank, bytes
+  BuildEstimate estimate_;
+  int attempt_ = 1;
+  std::uint64_t most_scratch_bytes_ = 0;
+  std::vector<InputFile> inputs_;
+  InputCounts counts_;
+  std::vector<LevelStatistics> levels_;
+  std::uint64_t node_count_ = 0;
+  std::uint64_t output_bytes_ = 0;
+  bool is_complete_ = false;
+  bool has_warned_ = false;
+};
+
+}  // namespace colossus::build
