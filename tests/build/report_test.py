@@ -88,10 +88,10 @@ class Report(ColossusTest):
         self.assertEqual(sorted(os.listdir(self.folder)), ["report.json", "statue.ply", "status.json"])
 
     def test_stopped_and_resumed(self):
-        statue, output = self.statue(), self.path("a.h5")
+        statue, output = self.statue(1000000), self.path("a.h5")
         whole = self.path("whole.h5")
         self.run_program("build", statue, "-o", whole)
-        _, report, _ = self.build_reported(statue, "-o", output, "--time-limit", "0s", ranks=2, status=STOPPED)
+        _, report, _ = self.build_reported(statue, "-o", output, "--time-limit", "1s", ranks=2, status=STOPPED)
         self.assertEqual(report["state"], "stopped")
         self.assertIn("--resume", report["message"])
         _, report, _ = self.build_reported(statue, "-o", output, "--resume", ranks=3)
