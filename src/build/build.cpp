@@ -10,6 +10,7 @@
 #include "build/estimate.hpp"
 #include "build/inputs.hpp"
 #include "build/memory.hpp"
+#include "build/phase.hpp"
 #include "build/restart.hpp"
 #include "build/scheme.hpp"
 #include "build/survey.hpp"
@@ -115,29 +116,35 @@ BuildReport build_with(const cluster::Communicator& ranks, const BuildOptions& o
   });
   BuildReport report;
   std::optional<core::Error> failure;
+  std::uint16_t attempt = 0;
+  std::uint32_t has_scratch = 1;
   {
     OpenedScratch opened = open_scratch(ranks, folder, options.resume, manifest_of(options, inputs));
-    reporter.set_attempt(opened.progress.journal.attempt());
-    scratch::SpoolWriter writer(opened.location, opened.progress.journal.attempt(),
-                                static_cast<std::uint16_t>(ranks.rank()));
+    attempt = opened.progress.journal.attempt();
+    reporter.set_attempt(attempt);
+    scratch::SpoolWriter writer(opened.location, attempt, static_cast<std::uint16_t>(ranks.rank()));
     scratch::SpoolReader reader(opened.location);
+    const Workspace workspace{ranks,  options,      opened.location, writer,
+                              reader, memory_bytes, opened.progress, reporter};
     try {
-      report = run_phases(
-          {ranks, options, opened.location, writer, reader, memory_bytes, opened.progress, reporter},
-          scheme_named(options.scheme), inputs);
+      report = run_phases(workspace, scheme_named(options.scheme), inputs);
     } catch (const cluster::AgreedError& error) {
       failure = error;
+      has_scratch = is_superseded(workspace) ? 0 : 1;
+      broadcast_value(ranks, has_scratch);
+      if (has_scratch == 0) failure = superseded_error(workspace);
     }
   }
   ranks.barrier();  // all files are closed
   if (ranks.is_root() && (!failure || is_final(failure->status()))) {
     try {
-      scratch::remove_scratch_directory(folder);
+      scratch::remove_scratch_directory(folder, attempt);
     } catch (const core::Error& error) {
       core::warn_line(error.what());  // the container is complete all the same
     }
   }
   if (!failure) return report;
+  if (has_scratch == 0) throw cluster::AgreedError(failure->status(), failure->what());
   const cluster::AgreedError agreed = with_advice(*failure, folder);
   if (agreed.status() == core::Status::kStopped) core::log_line(agreed.what());
   throw agreed;

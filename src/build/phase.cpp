@@ -74,6 +74,7 @@ void run_phase(const Workspace& workspace, const std::string& name, std::size_t 
                const cluster::TakeResult& on_result) {
   const std::uint32_t phase = ++workspace.progress.phase_count;
   COLOSSUS_CHECK(phase < scratch::kJournalStream, "{} phases", phase);
+  workspace.progress.task_counts.push_back(task_count);
   workspace.writer.begin_stream(static_cast<std::uint16_t>(phase));
   std::vector<std::size_t> rest;
   workspace.ranks.attempt([&] {
@@ -104,9 +105,9 @@ std::uint32_t last_phase(const Workspace& workspace) { return workspace.progress
 
 void release_phases(const Workspace& workspace, std::uint32_t first, std::uint32_t last) {
   Progress& progress = workspace.progress;
+  if (first > last) return;
   COLOSSUS_CHECK(first > 0 && last < progress.phase_count, "{} to {} of {}", first, last,
                  progress.phase_count);
-  if (first > last) return;
   const bool is_root = workspace.ranks.is_root();
   // Who resumes must know that the data is not missed, before it is missing.
   workspace.ranks.attempt([&] {
@@ -114,7 +115,7 @@ void release_phases(const Workspace& workspace, std::uint32_t first, std::uint32
     check_not_superseded(workspace);
     std::vector<std::uint32_t> phases;
     for (std::uint32_t phase = first; phase <= last; ++phase) phases.push_back(phase);
-    progress.journal.append_release(progress.phase_count, phases);
+    progress.journal.append_release(progress.task_counts, phases);
   });
   workspace.reader.forget(static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last));
   workspace.ranks.attempt([&] {
@@ -129,13 +130,26 @@ void release_phases(const Workspace& workspace, std::uint32_t first, std::uint32
   });
 }
 
+void release_phases_up_to(const Workspace& workspace, std::uint32_t last) {
+  release_phases(workspace, workspace.progress.released_up_to + 1, last);
+  workspace.progress.released_up_to = last;
+}
+
+bool is_superseded(const Workspace& workspace) {
+  std::error_code ignored;
+  return !std::filesystem::exists(workspace.scratch.folder, ignored) && !ignored;
+}
+
 void check_not_superseded(const Workspace& workspace) {
-  const int next = workspace.progress.journal.attempt() + 1;
-  const FileId journal{static_cast<std::uint16_t>(next), 0, scratch::kJournalStream};
-  if (std::filesystem::exists(path_of(workspace.scratch.folder, journal)))
-    core::fail(core::Status::kIo,
-               "{}: attempt {} at this build has begun and takes over; this is attempt {}, which ends",
-               workspace.scratch.folder.string(), next, next - 1);
+  if (is_superseded(workspace)) throw superseded_error(workspace);
+}
+
+core::Error superseded_error(const Workspace& workspace) {
+  return {
+      core::Status::kIo,
+      fmt::format("{}: this attempt at the build ends: its scratch directory was removed, or another attempt "
+                  "has begun and takes over",
+                  workspace.scratch.folder.string())};
 }
 
 }  // namespace colossus::build

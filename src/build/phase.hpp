@@ -27,9 +27,14 @@ std::uint32_t last_phase(const Workspace& workspace);
 // Collective. Deletes what the phases `first` to `last` have appended to scratch, but for kept records: no
 // later phase than the one that was run last reads it. That one is none of them.
 void release_phases(const Workspace& workspace, std::uint32_t first, std::uint32_t last);
+// The same for all phases up to `last` that were not released by this function before.
+void release_phases_up_to(const Workspace& workspace, std::uint32_t last);
 
-// Not collective. Throws Error(kIo) when another attempt at this build has begun: it has taken over what this
-// one has done, and the output is its own.
+// Not collective. Whether another attempt at this build has begun: it has taken over what this one has done,
+// and the output is its own.
+bool is_superseded(const Workspace& workspace);
+// Throws superseded_error(), of status kIo, if so.
 void check_not_superseded(const Workspace& workspace);
+core::Error superseded_error(const Workspace& workspace);
 
 }  // namespace colossus::build

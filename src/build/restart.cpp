@@ -43,9 +43,9 @@ std::uint64_t random_number() {
 
 class Opening {
  public:
-  Opening(const cluster::Communicator& ranks, const std::filesystem::path& folder, bool may_resume,
+  Opening(const cluster::Communicator& ranks, const std::filesystem::path& directory, bool may_resume,
           const scratch::Manifest& manifest)
-      : ranks_(ranks), folder_(folder), may_resume_(may_resume), manifest_(manifest) {}
+      : ranks_(ranks), directory_(directory), may_resume_(may_resume), manifest_(manifest) {}
 
   OpenedScratch run() {
     try {
@@ -53,7 +53,7 @@ class Opening {
         if (ranks_.is_root()) begin_attempt();
       });
       broadcast_value(ranks_, announcement_);
-      location_ = {folder_, announcement_.key};
+      location_ = {scratch::folder_of_attempt(directory_, announcement_.attempt), announcement_.key};
       prove_shared();
       if (announcement_.is_resumed) check_history();
     } catch (const core::Error&) {
@@ -61,7 +61,8 @@ class Opening {
       throw;
     }
     if (!journal_) journal_.emplace(location_, announcement_.attempt, own_rank());
-    return {location_, {std::move(*journal_), announcement_.is_resumed, 0, std::move(history_), files_}};
+    return {location_,
+            {std::move(*journal_), announcement_.is_resumed, 0, 0, {}, std::move(history_), files_}};
   }
 
  private:
@@ -71,37 +72,62 @@ class Opening {
     if (ranks_.size() > scratch::kJournalStream)
       core::fail(Status::kUsage, "{} ranks are too many; start at most {}", ranks_.size(),
                  scratch::kJournalStream);
-    prepare_directory();
-    location_ = {folder_, manifest_.key()};
-    files_ = scratch::look_into(folder_).files;
-    journal_.emplace(scratch::JournalWriter::take_attempt(location_, files_));
+    const std::uint16_t attempt = prepare_directory();
+    location_ = {scratch::folder_of_attempt(directory_, attempt), manifest_.key()};
+    files_ = scratch::look_into(location_.folder).files;
     history_ = scratch::History::read(location_, files_, &cluster::throw_if_stop_requested);
-    announcement_ = {manifest_.key(), random_number(), journal_->attempt(), !files_.empty()};
+    announcement_ = {manifest_.key(), random_number(), attempt, !files_.empty()};
+    journal_.emplace(location_, attempt, std::uint16_t{0});
     journal_->append_start({announcement_.nonce, history_.journal_ends()});
   }
 
-  void prepare_directory() {
-    if (!std::filesystem::exists(std::filesystem::symlink_status(folder_))) {
-      if (may_resume_) core::log("resume: there is no scratch directory {}: starting anew", folder_.string());
-      is_created_ = scratch::create_scratch_directory(folder_);
-      if (is_created_) return scratch::write_manifest(folder_, manifest_);
+  // Returns the number of this attempt, which now has the directory.
+  std::uint16_t prepare_directory() {
+    scratch::DirectoryContent content = scratch::look_into_directory(directory_);
+    if (!content.exists) {
+      if (may_resume_)
+        core::log("resume: there is no scratch directory {}: starting anew", directory_.string());
+      is_created_ = scratch::create_scratch_directory(directory_);
+      content = scratch::look_into_directory(directory_);
+      if (is_created_) {
+        scratch::write_manifest(scratch::folder_of_attempt(directory_, content.attempt), manifest_);
+        return content.attempt;
+      }
     }
     if (!may_resume_)
       core::fail(Status::kCannotCreate,
                  "{}: the scratch directory exists already: another build is using it, or was interrupted; "
                  "continue it with --resume, or remove it if no build is running",
-                 folder_.string());
-    const scratch::DirectoryContent content = scratch::look_into(folder_);
-    const std::optional<scratch::Manifest> there = scratch::read_manifest(folder_);
-    if (there) return check_same(*there);
-    // A build may be killed before its manifest is complete; nothing else is there then.
-    if (content.has_foreign || !content.files.empty())
-      core::fail(Status::kCannotCreate,
-                 "{}: cannot resume: {}: remove it, or choose another directory with --scratch",
-                 folder_.string(),
-                 content.files.empty() ? "this is no scratch directory" : "the manifest is damaged");
-    scratch::remove_manifest(folder_);
-    scratch::write_manifest(folder_, manifest_);
+                 directory_.string());
+    if (content.has_foreign) fail_foreign("this is no scratch directory");
+    return continue_after(content.attempt);
+  }
+
+  std::uint16_t continue_after(std::uint16_t latest) const {
+    bool is_begun = false;
+    if (latest > 0) {
+      const std::filesystem::path folder = scratch::folder_of_attempt(directory_, latest);
+      const scratch::FolderContent content = scratch::look_into(folder);
+      const std::optional<scratch::Manifest> there = scratch::read_manifest(folder);
+      if (there) check_same(*there);
+      // A build may be killed before its manifest is complete; nothing else is there then.
+      if (!there && !content.files.empty()) fail_foreign("the manifest is damaged");
+      if (content.has_foreign) fail_foreign("there are files that are no scratch files");
+      is_begun = there.has_value();
+    }
+    const std::uint16_t attempt = scratch::take_attempt(directory_, latest);
+    if (!is_begun) {
+      const std::filesystem::path folder = scratch::folder_of_attempt(directory_, attempt);
+      scratch::remove_manifest(folder);
+      scratch::write_manifest(folder, manifest_);
+    }
+    return attempt;
+  }
+
+  [[noreturn]] void fail_foreign(const char* what) const {
+    core::fail(Status::kCannotCreate,
+               "{}: cannot resume: {}: remove it, or choose another directory with --scratch",
+               directory_.string(), what);
   }
 
   void check_same(const scratch::Manifest& there) const {
@@ -110,7 +136,7 @@ class Opening {
     core::fail(Status::kUsage,
                "{}: cannot resume: the scratch directory is that of another build: {}: repeat the command of "
                "that build, or remove the directory to start anew",
-               folder_.string(), difference);
+               directory_.string(), difference);
   }
 
   // Every rank finds the number that rank 0 has written into its journal.
@@ -125,7 +151,7 @@ class Opening {
               Status::kIo,
               "{}: rank {} on {} does not see the scratch directory that rank 0 on {} uses: choose one on "
               "a file system that all hosts share with --scratch",
-              folder_.string(), ranks_.rank(), hosts[static_cast<std::size_t>(ranks_.rank())], hosts[0]);
+              directory_.string(), ranks_.rank(), hosts[static_cast<std::size_t>(ranks_.rank())], hosts[0]);
         std::this_thread::sleep_for(kBetweenLooks);
       }
     });
@@ -191,20 +217,20 @@ class Opening {
     std::copy_if(files_.begin(), files_.end(), std::back_inserter(files), [&](const FileId& file) {
       return std::find(superfluous.begin(), superfluous.end(), file.stream) != superfluous.end();
     });
-    scratch::remove_files(folder_, files);
+    scratch::remove_files(location_.folder, files);
   }
 
   void remove_quietly() {
     journal_.reset();
     try {
-      scratch::remove_scratch_directory(folder_);
+      scratch::remove_scratch_directory(directory_, scratch::look_into_directory(directory_).attempt);
     } catch (const core::Error& error) {
       core::warn_line(error.what());
     }
   }
 
   const cluster::Communicator& ranks_;
-  const std::filesystem::path& folder_;
+  const std::filesystem::path& directory_;
   bool may_resume_;
   const scratch::Manifest& manifest_;
   Location location_;
@@ -218,9 +244,9 @@ class Opening {
 
 }  // namespace
 
-OpenedScratch open_scratch(const cluster::Communicator& ranks, const std::filesystem::path& folder,
+OpenedScratch open_scratch(const cluster::Communicator& ranks, const std::filesystem::path& directory,
                            bool may_resume, const scratch::Manifest& manifest) {
-  return Opening(ranks, folder, may_resume, manifest).run();
+  return Opening(ranks, directory, may_resume, manifest).run();
 }
 
 }  // namespace colossus::build

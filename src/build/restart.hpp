@@ -21,7 +21,7 @@ struct OpenedScratch {
 // - Error(kUsage) when it belongs to another build; the message says what differs;
 // - Error(kIo) when a rank does not see the directory, and for failures of the file system.
 // Leaves no directory behind that it has created when it throws.
-OpenedScratch open_scratch(const cluster::Communicator& ranks, const std::filesystem::path& folder,
+OpenedScratch open_scratch(const cluster::Communicator& ranks, const std::filesystem::path& directory,
                            bool may_resume, const scratch::Manifest& manifest);
 
 }  // namespace colossus::build

@@ -1,6 +1,7 @@
 #include "container/writer.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <tuple>
+#include <utility>
 
 #include "container/chunk.hpp"
 #include "container/file_driver.hpp"
@@ -82,6 +84,7 @@ void sync_folder(const std::filesystem::path& file) {
 struct ContainerWriter::State {
   std::filesystem::path path;
   std::filesystem::path part;
+  std::pair<dev_t, ino_t> inode;  // of the part
   bool is_committed = false;
   Blame blame;
   hdf5::Device device;
@@ -103,6 +106,41 @@ struct ContainerWriter::State {
                  next_row, frame.size(), row.offset);
   }
 
+  // A new file, even if there is one of this name that another process still writes to.
+  void create_part() {
+    ::unlink(part.c_str());
+    device.file = core::File::create(part, true);
+    struct stat info {};
+    if (::fstat(device.file.descriptor(), &info) != 0)
+      core::fail(Status::kIo, "{}: cannot stat: {}", part.string(), std::strerror(errno));
+    inode = {info.st_dev, info.st_ino};
+  }
+  // Whether the name still leads to our file: another process may have begun another one since.
+  bool has_part() const {
+    struct stat info {};
+    return ::stat(part.c_str(), &info) == 0 && inode == std::pair(info.st_dev, info.st_ino);
+  }
+  void check_part() const {
+    if (!has_part())
+      core::fail(Status::kIo,
+                 "{}: was removed or replaced while it was written: does another build write it?",
+                 part.string());
+  }
+  void remove_part() const {
+    if (has_part()) ::unlink(part.c_str());
+  }
+
+  // What is found wrong in it is not the input's fault.
+  void verify_rows() const {
+    bool is_same = false;
+    try {
+      is_same = ContainerReader(part).rows() == rows;
+    } catch (const core::Error& error) {
+      core::fail(Status::kIo, "cannot read back {}", error.what());
+    }
+    if (!is_same) core::fail(Status::kIo, "{}: reads back differently: check the disk", blame.file);
+  }
+
   // Also what a destructor does, therefore complete whatever fails; the first failure is reported.
   void close_file() {
     herr_t result = 0;
@@ -121,14 +159,14 @@ ContainerWriter::ContainerWriter(std::filesystem::path path) : state_(std::make_
   s.part += ".part";
   if (std::error_code ignored; std::filesystem::is_directory(s.path, ignored))
     core::fail(Status::kCannotCreate, "{}: cannot create: it is a folder", s.path.string());
-  s.device.file = core::File::create(s.part);
+  s.create_part();
   s.blame = {s.part.string(), Status::kIo};
   try {
     register_zstd_filter(s.blame);
     s.file = create_file(s.blame, s.device, s.driver);
     s.device.check();
   } catch (...) {
-    ::unlink(s.part.c_str());
+    s.remove_part();
     throw;
   }
 }
@@ -142,7 +180,7 @@ ContainerWriter::~ContainerWriter() {
   } catch (const core::Error&) {
     // The file is removed: what could not be written does not matter.
   }
-  ::unlink(s.part.c_str());
+  s.remove_part();
 }
 
 void ContainerWriter::add_nodes(const Metadata& metadata, std::vector<NodeRow> rows) {
@@ -197,11 +235,13 @@ void ContainerWriter::commit() {
                  s.rows.size());
   write_table(s.blame, s.nodes, encode_rows(s.rows));
   s.close_file();
-  COLOSSUS_CHECK(ContainerReader(s.part).rows() == s.rows, "{} reads back differently", s.blame.file);
+  s.check_part();
+  s.verify_rows();
   s.device.file.sync();
+  s.check_part();
   s.device.file.close();
   if (::rename(s.part.c_str(), s.path.c_str()) != 0)
-    core::fail(Status::kCannotCreate, "{}: cannot rename to {}: {}", s.part.string(), s.path.string(),
+    core::fail(core::create_status(errno), "{}: cannot rename to {}: {}", s.part.string(), s.path.string(),
                std::strerror(errno));
   s.is_committed = true;
   sync_folder(s.path);

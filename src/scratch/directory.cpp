@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <limits>
 #include <system_error>
 
 #include "core/error.hpp"
@@ -17,6 +19,15 @@ namespace {
 constexpr const char* kManifestName = "manifest";
 constexpr const char* kFirstLine = "Colossus scratch files, format 1\n";
 constexpr const char* kChecksumName = "checksum";
+
+// 0 for any other name.
+std::uint16_t attempt_of_name(const std::string& name) {
+  unsigned attempt = 0;
+  if (std::sscanf(name.c_str(), "attempt-%u", &attempt) != 1) return 0;
+  if (attempt > std::numeric_limits<std::uint16_t>::max()) return 0;
+  const auto number = static_cast<std::uint16_t>(attempt);
+  return folder_of_attempt({}, number) == name ? number : std::uint16_t{0};
+}
 
 std::uint64_t hash_of(const std::string& text) {
   return core::hash64(std::as_bytes(std::span(text.data(), text.size())));
@@ -31,6 +42,11 @@ std::string lines_of(const Manifest& manifest) {
 [[noreturn]] void fail_removal(const std::filesystem::path& path, const std::string& reason) {
   core::fail(core::Status::kIo, "{}: cannot remove: {}: remove the scratch directory by hand", path.string(),
              reason);
+}
+
+// What is not there is removed already.
+void remove_folder(const std::filesystem::path& path) {
+  if (::rmdir(path.c_str()) != 0 && errno != ENOENT) fail_removal(path, std::strerror(errno));
 }
 
 void remove_file(const std::filesystem::path& path) {
@@ -94,11 +110,9 @@ std::string Manifest::difference_from(const Manifest& there) const {
   return text;
 }
 
-DirectoryContent look_into(const std::filesystem::path& folder) {
-  DirectoryContent content;
+FolderContent look_into(const std::filesystem::path& folder) {
+  FolderContent content;
   try {
-    content.exists = std::filesystem::exists(std::filesystem::symlink_status(folder));
-    if (!content.exists) return content;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       const std::string name = entry.path().filename().string();
       if (name == kManifestName)
@@ -127,12 +141,56 @@ std::uint64_t bytes_in(const std::filesystem::path& folder) {
   return bytes;
 }
 
-bool create_scratch_directory(const std::filesystem::path& folder) {
+DirectoryContent look_into_directory(const std::filesystem::path& directory) {
+  DirectoryContent content;
+  try {
+    content.exists = std::filesystem::exists(std::filesystem::symlink_status(directory));
+    if (!content.exists) return content;
+    for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+      const std::uint16_t attempt = attempt_of_name(entry.path().filename().string());
+      content.has_foreign |= attempt == 0;
+      content.attempt = std::max(content.attempt, attempt);
+    }
+  } catch (const std::filesystem::filesystem_error& error) {
+    core::fail(core::Status::kIo, "{}: cannot read the scratch directory: {}", directory.string(),
+               error.code().message());
+  }
+  return content;
+}
+
+std::filesystem::path folder_of_attempt(const std::filesystem::path& directory, std::uint16_t attempt) {
+  return directory / fmt::format("attempt-{:04}", attempt);
+}
+
+bool create_scratch_directory(const std::filesystem::path& directory) {
   // mkdir() is atomic.
-  if (::mkdir(folder.c_str(), 0777) == 0) return true;
+  if (::mkdir(directory.c_str(), 0777) == 0) {
+    try {
+      take_attempt(directory, 0);
+    } catch (const core::Error&) {
+      ::rmdir(directory.c_str());
+      throw;
+    }
+    return true;
+  }
   if (errno == EEXIST) return false;
-  core::fail(core::create_status(errno), "{}: cannot create the scratch directory: {}", folder.string(),
+  core::fail(core::create_status(errno), "{}: cannot create the scratch directory: {}", directory.string(),
              std::strerror(errno));
+}
+
+std::uint16_t take_attempt(const std::filesystem::path& directory, std::uint16_t latest) {
+  if (latest == std::numeric_limits<std::uint16_t>::max())
+    core::fail(core::Status::kCannotCreate, "{}: too many attempts: remove the scratch directory",
+               directory.string());
+  const auto attempt = static_cast<std::uint16_t>(latest + 1);
+  const std::filesystem::path folder = folder_of_attempt(directory, attempt);
+  const int failed = latest == 0 ? ::mkdir(folder.c_str(), 0777)
+                                 : ::rename(folder_of_attempt(directory, latest).c_str(), folder.c_str());
+  if (failed == 0) return attempt;
+  if (errno == EEXIST || errno == ENOTEMPTY || errno == ENOENT)
+    core::fail(core::Status::kCannotCreate, "{}: another build has just begun to use the scratch directory",
+               directory.string());
+  core::fail(core::create_status(errno), "{}: cannot create: {}", folder.string(), std::strerror(errno));
 }
 
 void write_manifest(const std::filesystem::path& folder, const Manifest& manifest) {
@@ -159,10 +217,13 @@ void remove_files(const std::filesystem::path& folder, const std::vector<FileId>
   for (const FileId& file : files) remove_file(path_of(folder, file));
 }
 
-void remove_scratch_directory(const std::filesystem::path& folder) {
+void remove_scratch_directory(const std::filesystem::path& directory, std::uint16_t attempt) {
+  const std::filesystem::path folder = folder_of_attempt(directory, attempt);
+  if (!std::filesystem::exists(folder)) return;
   remove_files(folder, look_into(folder).files);
   remove_manifest(folder);
-  if (::rmdir(folder.c_str()) != 0 && errno != ENOENT) fail_removal(folder, std::strerror(errno));
+  remove_folder(folder);
+  remove_folder(directory);
 }
 
 }  // namespace colossus::scratch

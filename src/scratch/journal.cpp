@@ -45,23 +45,6 @@ std::uint64_t limit_in(std::span<const JournalEnd> limits, const FileId& file) {
 JournalWriter::JournalWriter(Location location, std::uint16_t attempt, std::uint16_t rank)
     : location_(std::move(location)), id_(journal_of(attempt, rank)) {}
 
-JournalWriter JournalWriter::take_attempt(const Location& location, std::span<const FileId> files) {
-  std::uint32_t attempt = 1;
-  for (const FileId& file : files) attempt = std::max(attempt, std::uint32_t{file.attempt} + 1);
-  for (;; ++attempt) {
-    if (attempt > std::numeric_limits<std::uint16_t>::max())
-      core::fail(core::Status::kCannotCreate, "{}: too many attempts: remove the scratch directory",
-                 location.folder.string());
-    JournalWriter journal(location, static_cast<std::uint16_t>(attempt), 0);
-    try {
-      journal.file();
-      return journal;
-    } catch (const core::Error&) {
-      if (!std::filesystem::exists(path_of(location.folder, journal.id_))) throw;
-    }
-  }
-}
-
 RecordFile& JournalWriter::file() {
   if (!file_) file_.emplace(location_, id_);
   return *file_;
@@ -79,9 +62,11 @@ void JournalWriter::append_task(const TaskKey& key, std::span<const Extent> exte
   file().append(kTask, {std::as_bytes(std::span(&header, 1)), core::as_bytes(extents), result});
 }
 
-void JournalWriter::append_release(std::uint32_t phase_count, std::span<const std::uint32_t> phases) {
-  const std::span<const std::uint32_t> count(&phase_count, 1);
-  file().append(kRelease, {core::as_bytes(count), core::as_bytes(phases)});
+void JournalWriter::append_release(std::span<const std::uint64_t> task_counts,
+                                   std::span<const std::uint32_t> phases) {
+  const std::uint64_t phase_count = task_counts.size();
+  const std::span<const std::uint64_t> count(&phase_count, 1);
+  file().append(kRelease, {core::as_bytes(count), core::as_bytes(task_counts), core::as_bytes(phases)});
   file().flush();
 }
 
@@ -157,11 +142,17 @@ void History::take(const RecordRef& ref, std::span<const std::byte> payload) {
   if (ref.kind == kTask) {
     const auto header = reader.get<TaskHeader>();
     FinishedTask task{header.key, reader.get_array<Extent>(header.extent_count), ref};
-    if (!reader.failed()) tasks_.push_back(std::move(task));
+    if (reader.failed()) return;
+    // Journals come attempt by attempt: what a later one has made again is no longer released.
+    const auto released = released_.find(task.key.phase);
+    if (released != released_.end() && released->second.attempt < ref.file.attempt) released_.erase(released);
+    tasks_.push_back(std::move(task));
   } else if (ref.kind == kRelease) {
-    const auto phase_count = reader.get<std::uint32_t>();
+    std::vector<std::uint64_t> counts = reader.get_array<std::uint64_t>(reader.get<std::uint64_t>());
+    const Release release{static_cast<std::uint32_t>(counts.size()), ref.file.attempt};
     for (const auto phase : reader.get_array<std::uint32_t>(reader.remaining() / sizeof(std::uint32_t)))
-      released_[phase] = phase_count;
+      released_[phase] = release;
+    if (counts.size() > task_counts_.size()) task_counts_ = std::move(counts);
   } else if (ref.kind == kRecall) {
     for (const auto phase : reader.get_array<std::uint32_t>(reader.remaining() / sizeof(std::uint32_t)))
       released_.erase(phase);
@@ -180,8 +171,18 @@ std::vector<Extent> History::needed_extents() const {
   return extents;
 }
 
+// Or the largest number.
+std::uint32_t History::first_phase_with_lost_records() const {
+  for (std::uint32_t phase = 1; phase <= task_counts_.size(); ++phase) {
+    const auto is_of_phase = [&](const FinishedTask& task) { return task.key.phase == phase; };
+    const auto count = std::count_if(tasks_.begin(), tasks_.end(), is_of_phase);
+    if (static_cast<std::uint64_t>(count) < task_counts_[phase - 1]) return phase;
+  }
+  return std::numeric_limits<std::uint32_t>::max();
+}
+
 std::vector<std::uint32_t> History::forget_damaged(const std::vector<bool>& is_damaged) {
-  std::uint32_t first_phase = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t first_phase = first_phase_with_lost_records();
   std::size_t next = 0;
   std::erase_if(tasks_, [&](const FinishedTask& task) {
     bool is_bad = false;
@@ -196,8 +197,8 @@ std::vector<std::uint32_t> History::forget_damaged(const std::vector<bool>& is_d
   for (bool is_changed = true; is_changed;) {
     is_changed = false;
     for (auto it = released_.begin(); it != released_.end();) {
-      const auto [phase, phase_count] = *it;
-      if (phase_count < first_phase) {
+      const std::uint32_t phase = it->first;
+      if (it->second.phase_count < first_phase) {
         ++it;
         continue;
       }
@@ -218,7 +219,7 @@ std::vector<std::uint32_t> History::forget_damaged(const std::vector<bool>& is_d
 
 std::vector<std::uint32_t> History::released_phases() const {
   std::vector<std::uint32_t> phases;
-  for (const auto& [phase, phase_count] : released_) phases.push_back(phase);
+  for (const auto& [phase, release] : released_) phases.push_back(phase);
   return phases;
 }
 

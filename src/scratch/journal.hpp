@@ -46,18 +46,14 @@ class JournalWriter {
  public:
   // The file is created by the first append.
   JournalWriter(Location location, std::uint16_t attempt, std::uint16_t rank);
-  // Rank 0's journal of the attempt after those of `files`. It is created at once, so that no other process
-  // can have the same attempt. Throws Error(kCannotCreate).
-  static JournalWriter take_attempt(const Location& location, std::span<const FileId> files);
-
   std::uint16_t attempt() const { return id_.attempt; }
 
   void append_start(const AttemptStart& start);
   // `extents`: where in scratch the task's output lies.
   void append_task(const TaskKey& key, std::span<const Extent> extents, std::span<const std::byte> result);
-  // The streams of these phases are no longer needed by any phase after the first `phase_count`, which are
-  // complete. To be appended before they are deleted.
-  void append_release(std::uint32_t phase_count, std::span<const std::uint32_t> phases);
+  // The streams of `phases` are no longer needed by any phase after the first ones, which are complete and
+  // had `task_counts` tasks each. To be appended before they are deleted.
+  void append_release(std::span<const std::uint64_t> task_counts, std::span<const std::uint32_t> phases);
   // The opposite: they are needed, and must be made again.
   void append_recall(std::span<const std::uint32_t> phases);
 
@@ -101,7 +97,8 @@ class History {
   // not, but in the kept stream.
   std::vector<Extent> needed_extents() const;
   // Forgets the tasks that have a damaged extent; `is_damaged` is parallel to needed_extents(). They have to
-  // be done again, and so have phases that were released since: these are forgotten, too, and returned.
+  // be done again, as have tasks of complete phases whose records are lost, and so have phases that were
+  // released since: these are forgotten, too, and returned.
   std::vector<std::uint32_t> forget_damaged(const std::vector<bool>& is_damaged);
 
   // Phases whose streams are superfluous.
@@ -115,9 +112,15 @@ class History {
                      std::span<const JournalEnd> limits, const std::function<void()>& poll);
   void take(const RecordRef& ref, std::span<const std::byte> payload);
   bool is_needed(const FinishedTask& task, const Extent& extent) const;
+  std::uint32_t first_phase_with_lost_records() const;
 
-  std::vector<FinishedTask> tasks_;                  // by phase and index
-  std::map<std::uint32_t, std::uint32_t> released_;  // phase, and how many phases were complete then
+  struct Release {
+    std::uint32_t phase_count = 0;  // how many phases were complete then
+    std::uint16_t attempt = 0;      // by which it was noted
+  };
+  std::vector<FinishedTask> tasks_;            // by phase and index
+  std::map<std::uint32_t, Release> released_;  // by phase
+  std::vector<std::uint64_t> task_counts_;  // of phases that are known to have been complete, from the first
   std::vector<JournalEnd> ends_;
 };
 

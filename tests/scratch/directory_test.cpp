@@ -36,10 +36,11 @@ void append_one(const std::filesystem::path& folder, const FileId& file) {
 TEST(ScratchDirectory, IsCreatedByOneOfTwo) {
   const TemporaryDirectory parent;
   const auto path = parent.path() / "statue.h5.scratch";
-  EXPECT_FALSE(look_into(path).exists);
+  EXPECT_FALSE(look_into_directory(path).exists);
   EXPECT_TRUE(create_scratch_directory(path));
   EXPECT_FALSE(create_scratch_directory(path));
-  EXPECT_TRUE(look_into(path).exists);
+  EXPECT_TRUE(look_into_directory(path).exists);
+  EXPECT_EQ(look_into_directory(path).attempt, 1);
   std::ofstream(parent.path() / "file") << "no directory";
   EXPECT_FALSE(create_scratch_directory(parent.path() / "file"));
   EXPECT_EQ(status_of([&] { create_scratch_directory(parent.path() / "none" / "scratch"); }),
@@ -65,7 +66,7 @@ TEST(ScratchDirectory, ContentIsOursOrForeign) {
   append_one(folder.path(), {2, 0, 1});
   append_one(folder.path(), {1, 3, kJournalStream});
   write_manifest(folder.path(), sample_manifest());
-  DirectoryContent content = look_into(folder.path());
+  FolderContent content = look_into(folder.path());
   EXPECT_EQ(content.files, (std::vector<FileId>{{1, 3, kJournalStream}, {2, 0, 1}}));
   EXPECT_TRUE(content.has_manifest);
   EXPECT_FALSE(content.has_foreign);
@@ -76,21 +77,45 @@ TEST(ScratchDirectory, ContentIsOursOrForeign) {
 TEST(ScratchDirectory, IsRemovedWithItsFilesButNeverWithOthers) {
   const TemporaryDirectory parent;
   const auto path = parent.path() / "scratch";
+  const auto folder = folder_of_attempt(path, 1);
   create_scratch_directory(path);
-  write_manifest(path, sample_manifest());
-  append_one(path, {1, 0, kJournalStream});
-  append_one(path, {9, 1234, 5});
-  remove_scratch_directory(path);
+  write_manifest(folder, sample_manifest());
+  append_one(folder, {1, 0, kJournalStream});
+  append_one(folder, {9, 1234, 5});
+  remove_scratch_directory(path, 1);
   EXPECT_FALSE(std::filesystem::exists(path));
-  for (const char* name : {"notes.txt", "manifest.bak", "attempt-0001-rank-00003.journal.bak"}) {
-    create_scratch_directory(path);
-    append_one(path, {1, 0, 4});
-    std::ofstream(path / name) << "precious";
-    EXPECT_EQ(status_of([&] { remove_scratch_directory(path); }), core::Status::kIo);
-    EXPECT_TRUE(std::filesystem::exists(path / name)) << name;
-    EXPECT_FALSE(std::filesystem::exists(path_of(path, {1, 0, 4})));
-    std::filesystem::remove_all(path);
-  }
+  for (const char* name : {"notes.txt", "manifest.bak", "attempt-0001-rank-00003.journal.bak"})
+    for (const auto& place : {path, folder}) {
+      create_scratch_directory(path);
+      append_one(folder, {1, 0, 4});
+      std::ofstream(place / name) << "precious";
+      EXPECT_EQ(status_of([&] { remove_scratch_directory(path, 1); }), core::Status::kIo);
+      EXPECT_TRUE(std::filesystem::exists(place / name)) << name;
+      EXPECT_FALSE(std::filesystem::exists(path_of(folder, {1, 0, 4})));
+      EXPECT_EQ(look_into_directory(path).has_foreign, place == path) << name;
+      std::filesystem::remove_all(path);
+    }
+}
+
+TEST(ScratchDirectory, IsTakenOverByOneAttemptAndLostToTheEarlierOnes) {
+  const TemporaryDirectory parent;
+  const auto path = parent.path() / "scratch";
+  create_scratch_directory(path);
+  EXPECT_EQ(status_of([&] { take_attempt(path, 0); }), core::Status::kCannotCreate);
+  const auto folder = folder_of_attempt(path, 1);
+  append_one(folder, {1, 0, 4});
+  RecordFile open(Location{folder, 0}, {1, 1, 4});
+  EXPECT_EQ(take_attempt(path, 1), 2);
+  EXPECT_EQ(status_of([&] { take_attempt(path, 1); }), core::Status::kCannotCreate)
+      << "both had seen attempt 1";
+  EXPECT_EQ(look_into_directory(path).attempt, 2);
+  EXPECT_EQ(look_into(folder_of_attempt(path, 2)).files, (std::vector<FileId>{{1, 0, 4}, {1, 1, 4}}));
+  // What a rank of the first attempt might do.
+  open.append(1, {core::Bytes(3)});
+  EXPECT_EQ(status_of([&] { append_one(folder, {1, 2, 4}); }), core::Status::kCannotCreate);
+  remove_files(folder, {{1, 0, 4}});
+  remove_scratch_directory(path, 1);
+  EXPECT_EQ(look_into(folder_of_attempt(path, 2)).files, (std::vector<FileId>{{1, 0, 4}, {1, 1, 4}}));
 }
 
 TEST(Manifest, IsReadAsItWasWritten) {

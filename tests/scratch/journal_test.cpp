@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <limits>
+#include <set>
 
 #include "scratch/directory.hpp"
 #include "scratch/spool.hpp"
@@ -65,10 +66,16 @@ class Journals : public ::testing::Test {
   std::filesystem::path journal_path(std::uint16_t attempt, std::uint16_t rank) const {
     return path_of(directory_.path(), {attempt, rank, kJournalStream});
   }
+  std::uint16_t next_number() const {
+    std::uint16_t number = 1;
+    for (const FileId& file : look_into(directory_.path()).files)
+      number = std::max(number, static_cast<std::uint16_t>(file.attempt + 1));
+    return number;
+  }
   // As at the start of an attempt: reads what is there, checks it, and notes both. Says what was recalled.
   Rank next_attempt(std::vector<std::uint32_t>* recalled = nullptr) const {
     const std::vector<FileId> files = look_into(directory_.path()).files;
-    JournalWriter journal = JournalWriter::take_attempt(location_, files);
+    JournalWriter journal(location_, next_number(), 0);
     History found = History::read(location_, files, [] {});
     journal.append_start({17, found.journal_ends()});
     std::vector<bool> is_damaged;
@@ -184,23 +191,16 @@ TEST_F(Journals, WhatAStaleRankAppendsAfterTheNextAttemptBeganIsVoid) {
   EXPECT_EQ(second.journal.attempt(), 2);
   stale.finish(1, 2);
   stale_worker.finish(1, 3);
-  stale.journal.append_release(1, std::vector<std::uint32_t>{1});
+  stale.journal.append_release(std::vector<std::uint64_t>{1}, std::vector<std::uint32_t>{1});
   second.finish(1, 4);
   Rank(location_, 1, 2).finish(1, 5);
   EXPECT_EQ(tasks_of(history()), "1.0@1 1.1@1 1.4@2");
   EXPECT_TRUE(history().released_phases().empty());
   // The same seen by the attempt after an attempt that was killed at once.
-  JournalWriter::take_attempt(location_, look_into(directory_.path()).files);
+  std::ofstream(journal_path(next_number(), 0));
   EXPECT_EQ(tasks_of(history()), "1.0@1 1.1@1 1.4@2");
   EXPECT_EQ(next_attempt().journal.attempt(), 4);
   EXPECT_EQ(tasks_of(history()), "1.0@1 1.1@1 1.4@2");
-}
-
-TEST_F(Journals, AnAttemptIsTakenByOne) {
-  const std::vector<FileId> files;  // both have looked before either has begun
-  EXPECT_EQ(JournalWriter::take_attempt(location_, files).attempt(), 1);
-  EXPECT_EQ(JournalWriter::take_attempt(location_, files).attempt(), 2);
-  EXPECT_EQ(JournalWriter::take_attempt(location_, std::vector<FileId>{{7, 3, 1}}).attempt(), 8);
 }
 
 TEST_F(Journals, DamagedOutputCostsItsTask) {
@@ -230,9 +230,9 @@ class Released : public Journals {
     Rank rank = next_attempt();
     rank.finish(1, 0);
     rank.finish(2, 0, true);
-    rank.journal.append_release(2, std::vector<std::uint32_t>{1});
+    rank.journal.append_release(std::vector<std::uint64_t>{1, 1}, std::vector<std::uint32_t>{1});
     rank.finish(3, 0);
-    rank.journal.append_release(3, std::vector<std::uint32_t>{2});
+    rank.journal.append_release(std::vector<std::uint64_t>{1, 1, 1}, std::vector<std::uint32_t>{2});
     rank.finish(4, 0);
     remove_stream(1, 0, 1);
     remove_stream(1, 0, 2);
@@ -266,6 +266,46 @@ TEST_F(Released, DataIsNotMadeAgainForAPhaseThatWasUnderWay) {
   std::vector<std::uint32_t> recalled;
   next_attempt(&recalled);
   EXPECT_TRUE(recalled.empty());
+}
+
+TEST_F(Released, DataIsMadeAgainWhenARecordOfWhatWasMadeFromItIsLost) {
+  // Whatever part of the journal is lost: what counts as done is whole, or was made from what still is.
+  const Bytes bytes = core::read_file(journal_path(1, 0));
+  std::set<std::string> seen;
+  for (std::size_t byte = 0; byte < bytes.size(); byte += 8) {
+    Bytes damaged = bytes;
+    damaged[byte] ^= std::byte{0x10};
+    core::File::create(journal_path(1, 0)).write_at(0, damaged);
+    History found = history();
+    std::vector<bool> is_damaged;
+    for (const Extent& extent : found.needed_extents())
+      is_damaged.push_back(!is_intact(location_, extent, [] {}));
+    found.forget_damaged(is_damaged);
+    seen.insert(tasks_of(std::move(found)));
+  }
+  // Without the start of the attempt; 1.0 or 2.0 or a release, so that what was released looks
+  // damaged; 3.0; 4.0.
+  EXPECT_EQ(seen, (std::set<std::string>{"", "3.0@1 4.0@1", "4.0@1", "1.0@1 2.0@1 3.0@1"}));
+}
+
+TEST_F(Released, DataThatALaterAttemptHasMadeAgainIsNotReleasedThoughTheRecallIsLost) {
+  remove_stream(1, 0, 3);
+  {
+    Rank second = next_attempt();
+    second.finish(1, 0);
+    second.finish(2, 0, true);
+  }
+  const Bytes bytes = core::read_file(journal_path(2, 0));
+  std::uint64_t recall = 0;
+  scan_records(location_, {2, 0, kJournalStream}, bytes.size(),
+               [&](const RecordRef& ref, std::span<const std::byte>) {
+                 recall = ref.kind == 4 ? ref.offset : recall;
+               });
+  ASSERT_GT(recall, 0U);
+  Bytes damaged = bytes;
+  damaged[recall] ^= std::byte{1};
+  core::File::create(journal_path(2, 0)).write_at(0, damaged);
+  EXPECT_TRUE(history().released_phases().empty());
 }
 
 TEST_F(Released, KeptDataIsStillNeeded) {

@@ -4,6 +4,7 @@
 
 #include "build/blocks/levels.hpp"
 #include "build/memory.hpp"
+#include "build/phase.hpp"
 #include "core/log.hpp"
 
 namespace colossus::build {
@@ -27,7 +28,9 @@ void check_blocks(const BuildOptions& options) {
 }
 
 Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
+  const std::uint32_t survey = last_phase(workspace);
   std::vector<TriangleGroup> groups = join_vertices(workspace, catalog);
+  release_phases_up_to(workspace, survey);
   const Grid grid = choose_grid(workspace, catalog, groups);
   core::log("grid: {} levels of cubes, positions rounded to {}", grid.levels,
             catalog.lattice.step * grid.spacing());

@@ -121,6 +121,7 @@ class BlockLevelBuilder {
           if (level > 0) hierarchy_.add(static_cast<std::uint32_t>(level - 1), result.statistics);
           sigma_ = std::max(sigma_, in_cubes(result.farthest_parent, level + 1));
         });
+    release_phases_up_to(workspace_, last_phase(workspace_) - 1);
     cubes_ = std::move(parents);
     std::sort(cubes_.begin(), cubes_.end(),
               [](const BlockCube& a, const BlockCube& b) { return a.record.id < b.record.id; });

@@ -223,7 +223,9 @@ CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, cons
                               std::span<const TriangleGroup> groups) {
   const Rounding rounding{grid.spacing()};
   Buckets filled = fill_buckets(workspace, catalog, groups, rounding, {grid.levels});
+  release_phases_up_to(workspace, last_phase(workspace) - 1);
   const std::vector<BucketRecord> buckets = give_attributes(workspace, catalog, std::move(filled), rounding);
+  release_phases_up_to(workspace, last_phase(workspace) - 1);
   CubePartition partition;
   run_phase(
       workspace, "partition", buckets.size(), [&](std::size_t i) { return bucket_task(buckets[i]); },
@@ -241,6 +243,7 @@ CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, cons
         partition.longest_edge = std::max(partition.longest_edge, result.longest_edge);
         partition.cubes.insert(partition.cubes.end(), result.cubes.begin(), result.cubes.end());
       });
+  release_phases_up_to(workspace, last_phase(workspace) - 1);
   std::sort(partition.cubes.begin(), partition.cubes.end(),
             [](const CubeRecord& a, const CubeRecord& b) { return a.id < b.id; });
   broadcast_value(workspace.ranks, catalog.counts);

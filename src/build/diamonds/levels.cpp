@@ -18,7 +18,7 @@ using hierarchy::TetrahedronId;
 class LevelBuilder {
  public:
   LevelBuilder(const Workspace& workspace, const NodeSettings& settings, const Partition& partition)
-      : workspace_(workspace), settings_(settings), leaves_(partition.leaves) {
+      : workspace_(workspace), settings_(settings), partition_(partition), leaves_(partition.leaves) {
     if (!workspace_.ranks.is_root()) return;
     for (const Point& center : partition.splits)
       splits_by_level_[hierarchy::level_of(center)].push_back(center);
@@ -29,7 +29,16 @@ class LevelBuilder {
     run_tasks("leaves", leaf_tasks(), [&](const PlannedTask& task) { return leaf_task(task.index); });
     std::int64_t levels = splits_by_level_.empty() ? 0 : splits_by_level_.rbegin()->first + 1;
     broadcast_value(workspace_.ranks, levels);
-    for (auto level = static_cast<int>(levels) - 1; level >= 0; --level) run_level(level);
+    // Leaves lie at several levels; their scratch goes with the one of the coarsest.
+    std::int64_t coarsest_leaf = leaves_.empty() ? 0 : hierarchy::level_of(leaves_.front().id.center);
+    broadcast_value(workspace_.ranks, coarsest_leaf);
+    for (auto level = static_cast<int>(levels) - 1; level >= 0; --level) {
+      run_level(level);
+      // The level below, or the leaves' own phase, which keeps all it makes.
+      release_phases(workspace_, last_phase(workspace_) - 1, last_phase(workspace_) - 1);
+      if (level + 1 == coarsest_leaf)
+        release_phases(workspace_, partition_.first_phase, partition_.last_phase);
+    }
     hierarchy_.sort();
     return std::move(hierarchy_);
   }
@@ -165,6 +174,7 @@ class LevelBuilder {
 
   const Workspace& workspace_;
   const NodeSettings& settings_;
+  const Partition& partition_;
   const std::vector<TetrahedronRecord>& leaves_;
   std::map<int, std::vector<Point>> splits_by_level_;
   std::vector<TetrahedronRecord> made_;      // by the level at hand

@@ -182,6 +182,7 @@ class Partitioner {
     cut_buckets();
     while (complete_diamonds()) {
     }
+    partition_.last_phase = last_phase(workspace_);
     std::sort(partition_.leaves.begin(), partition_.leaves.end(), [](const auto& a, const auto& b) {
       const int level_a = hierarchy::level_of(a.id.center);
       const int level_b = hierarchy::level_of(b.id.center);
@@ -192,10 +193,14 @@ class Partitioner {
 
  private:
   void cut_buckets() {
+    const std::uint32_t survey = last_phase(workspace_);
     std::vector<TriangleGroup> groups = join_vertices(workspace_, catalog_);
+    release_phases_up_to(workspace_, survey);
     Buckets filled = fill_buckets(workspace_, catalog_, groups, {}, {hierarchy::kMaxLevel / 3});
     groups = {};
+    release_phases_up_to(workspace_, last_phase(workspace_) - 1);
     const std::vector<BucketRecord> buckets = give_attributes(workspace_, catalog_, std::move(filled), {});
+    release_phases_up_to(workspace_, last_phase(workspace_) - 1);
     std::vector<Refinement> results(buckets.size());
     run_phase(
         workspace_, "partition", buckets.size(), [&](std::size_t i) { return bucket_task(buckets[i]); },
@@ -207,6 +212,8 @@ class Partitioner {
           return out.to_bytes();
         },
         [&](std::size_t i, Bytes result) { results[i] = Refinement::from_bytes(result); });
+    partition_.first_phase = last_phase(workspace_);
+    release_phases_up_to(workspace_, partition_.first_phase - 1);
     for (Refinement& result : results) take(std::move(result));
     share_splits();
   }

@@ -13,7 +13,9 @@ using DiamondSet = std::unordered_set<hierarchy::Point, geometry::PointHash>;
 struct Partition {
   DiamondSet splits;  // closed under parents; the same on all ranks
   std::vector<TetrahedronRecord>
-      leaves;  // on rank 0: the non-empty leaf tetrahedra, ordered by level, centre, place
+      leaves;                     // on rank 0: the non-empty leaf tetrahedra, ordered by level, centre, place
+  std::uint32_t first_phase = 0;  // in whose scratch the leaves lie
+  std::uint32_t last_phase = 0;
 };
 
 // Collective. First the triangles go to buckets, the cubes of a coarse octree made from exact counts of
