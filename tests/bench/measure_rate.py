@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the rate of `colossus build`: input triangles / wall seconds of the whole command / cores.
 
-measure_rate.py PROGRAMS [--triangles N] [--ranks 1,2,3] [--rounds N] [--folder FOLDER] [--json FILE]
+measure_rate.py PROGRAMS [--triangles N] [--scheme NAME] [--ranks 1,2,3] [--rounds N] [--folder FOLDER] [--json FILE]
 
 PROGRAMS is the folder of a build in preset bench; scripts/bench calls this. Each round runs the yardstick
 (meshopt_simplify of the same statue in memory to half, one thread) and a build with each number of ranks, one after
@@ -28,11 +28,12 @@ def run(command, folder):
     return done.stdout
 
 
-def measure_build(programs, folder, ranks):
+def measure_build(programs, folder, ranks, scheme):
     """Wall seconds of the command, largest resident set of each rank, size of the container."""
     with tempfile.TemporaryDirectory(dir=folder) as memory:
         command = ["mpirun", "-n", ranks, programs / "tests/bench/rank_memory", memory,
-                   programs / "src/cli/colossus", "build", "statue.ply", "-o", "statue.h5"]
+                   programs / "src/cli/colossus", "build", "statue.ply", "-o", "statue.h5",
+                   "--scheme", scheme]
         start = time.monotonic()
         run(command, folder)
         seconds = time.monotonic() - start
@@ -63,6 +64,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("programs", type=pathlib.Path)
     parser.add_argument("--triangles", type=int, default=6_000_000, help="size of the statue (default 6000000)")
+    parser.add_argument("--scheme", default="diamonds")
     parser.add_argument("--ranks", default=",".join(str(n) for n in sorted({1, cores, cores + 1})),
                         help="numbers of ranks to try (default %(default)s)")
     parser.add_argument("--rounds", type=int, default=3, help="runs of each, of which the median counts (default 3)")
@@ -82,7 +84,7 @@ def main():
             yards.append(json.loads(run([programs / "tests/bench/yardstick", "statue.ply"], folder)))
             print(f"round {number}: yardstick {yards[-1]['seconds']:.2f} s", end="", flush=True)
             for ranks in rank_numbers:
-                builds[ranks].append(measure_build(programs, folder, ranks))
+                builds[ranks].append(measure_build(programs, folder, ranks, options.scheme))
                 print(f", {ranks} ranks {builds[ranks][-1]['seconds']:.2f} s", end="", flush=True)
             print(flush=True)
         statue_bytes = (folder / "statue.ply").stat().st_size
