@@ -17,7 +17,8 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
   metadata.has_normals = true;
   metadata.has_colors = catalog.has_colors;
   metadata.options = {{"leaf_triangles", fmt::format("{}", options.leaf_triangles)},
-                      {"position_bits", fmt::format("{}", hierarchy.position_bits)}};
+                      {"position_bits", fmt::format("{}", hierarchy.position_bits)},
+                      {"codec", options.codec}};
   if (options.tolerance) metadata.options.push_back({"tolerance", fmt::format("{}", *options.tolerance)});
   if (options.drop_textures) metadata.options.push_back({"drop_textures", "true"});
   metadata.options.insert(metadata.options.end(), hierarchy.options.begin(), hierarchy.options.end());
@@ -57,6 +58,11 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
   add("triangles", [](const Level& l) { return l.triangles; });
   add("payload_bytes", [](const Level& l) { return l.payload_bytes; });
   add("stored_bytes", [](const Level& l) { return l.stored_bytes; });
+  // Named as in info's table.
+  constexpr codec::PerComponent<const char*> kColumns{"connectivity_bytes", "position_bytes", "normal_bytes",
+                                                      "color_bytes", "parent_bytes"};
+  for (std::size_t i = 0; i < codec::kComponentCount; ++i)
+    add(kColumns[i], [i](const Level& l) { return l.component_bytes[i]; });
   add_real("error", [](const Level& l) { return l.error; });
   add_real("quantization_error", [](const Level& l) { return l.displacement; });
   add("initial_triangles", [](const Level& l) { return l.sums.initial_triangles; });

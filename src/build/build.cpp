@@ -27,6 +27,7 @@ void check_options(const cluster::Communicator& ranks, const BuildOptions& optio
                  options.leaf_triangles);
     if (options.tolerance && !(*options.tolerance > 0.0))
       core::fail(core::Status::kUsage, "--tolerance {} is not a positive length", *options.tolerance);
+    codec::codec_named(options.codec);
     scheme_named(options.scheme).check(options);
   });
 }

@@ -19,6 +19,8 @@ void Hierarchy::add(const FinishedNode& node) {
   level.stored_bytes += row.stored_bytes;
   level.error = std::max(level.error, row.error);
   level.displacement = std::max(level.displacement, node.displacement);
+  for (std::size_t i = 0; i < codec::kComponentCount; ++i)
+    level.component_bytes[i] += node.component_bytes[i];
   add(row.level, node.statistics);
 }
 

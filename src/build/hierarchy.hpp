@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "codec/coded_node.hpp"
 #include "container/schema.hpp"
 #include "scratch/spool.hpp"
 #include "simplify/region.hpp"
@@ -29,7 +30,8 @@ struct StoredNode {
 
 struct FinishedNode : StoredNode {
   NodeStatistics statistics;
-  double displacement = 0.0;  // by quantisation, world units
+  double displacement = 0.0;                             // by quantisation, world units
+  codec::PerComponent<std::uint64_t> component_bytes{};  // of the stored bytes
 };
 
 struct LevelStatistics {
@@ -42,6 +44,7 @@ struct LevelStatistics {
   std::uint64_t stored_bytes = 0;
   double error = 0.0;         // greatest of the level's nodes, world units
   double displacement = 0.0;  // greatest by quantisation
+  codec::PerComponent<std::uint64_t> component_bytes{};
   NodeStatistics sums;
 };
 

@@ -48,6 +48,7 @@ scratch::Manifest manifest_of(const BuildOptions& options, const std::vector<Inp
   manifest.add("scheme", options.scheme);
   manifest.add("leaf_triangles", fmt::format("{}", options.leaf_triangles));
   manifest.add("position_bits", fmt::format("{}", options.position_bits));
+  manifest.add("codec", options.codec);
   if (options.tolerance) manifest.add("tolerance", fmt::format("{}", *options.tolerance));
   manifest.add("drop_textures", options.drop_textures ? "true" : "false");
   if (options.levels) manifest.add("levels", fmt::format("{}", *options.levels));

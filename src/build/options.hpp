@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/codec.hpp"
 #include "codec/node_mesh.hpp"
 #include "container/schema.hpp"
 
@@ -28,6 +29,7 @@ struct BuildOptions {
   std::filesystem::path report_file;
   bool is_dry_run = false;           // ends after the estimate
   std::vector<std::string> command;  // the words of the command line, for the report
+  std::string codec = codec::codecs().front().name;
   // Of blocks alone.
   std::optional<int> levels;      // the deepest level, instead of the one that leaf_triangles gives
   std::optional<int> block_size;  // cubes along a block

@@ -58,6 +58,7 @@ ordered_json options_json(const BuildOptions& options) {
   ordered_json json{{"scheme", options.scheme},
                     {"leaf_triangles", options.leaf_triangles},
                     {"position_bits", options.position_bits},
+                    {"codec", options.codec},
                     {"drop_textures", options.drop_textures},
                     {"color_weight", options.color_weight}};
   if (options.tolerance) json["tolerance"] = *options.tolerance;

@@ -15,6 +15,13 @@ double seconds_of(const std::string& time_limit) {
   return *seconds;
 }
 
+std::string codec_help() {
+  std::string names;
+  for (const codec::Codec& codec : codec::codecs())
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", codec.name);
+  return "How nodes are stored: " + names;
+}
+
 }  // namespace
 
 void add_build(CLI::App& app, Action& chosen) {
@@ -43,6 +50,7 @@ void add_build(CLI::App& app, Action& chosen) {
       ->add_option("--tolerance", options->tolerance,
                    "Largest quantisation error of the finest level in the input's units; chooses the bits")
       ->excludes(bits);
+  command->add_option("--codec", options->codec, codec_help())->capture_default_str();
   command->add_option("--levels", options->levels,
                       "Of blocks: the deepest level, instead of the one that fits");
   command->add_option("--block-size", options->block_size, "Of blocks: cubes along a block; default: 4");

@@ -1,20 +1,21 @@
-// A node's mesh to bytes and back. Version 1: packed planes, made small by the container's zstd frame.
-// schemas/container.md describes the bytes.
+// A node of tetrahedra to bytes and back, by any codec. schemas/container.md describes the bytes.
 #pragma once
 
 #include <span>
 
 #include "codec/node_mesh.hpp"
-#include "core/bytes.hpp"
-#include "core/error.hpp"
+#include "codec/payload.hpp"
 
 namespace colossus::codec {
 
-// Vertices must be in order of first use by the triangles, tetrahedra by ascending place.
-core::Bytes encode(const NodeMesh& node);
+// The order in which the codec stores this mesh: of its triangles, and of its vertices by first use.
+void put_in_order(QuantizedTetrahedron& part, const Codec& codec);
 
-// Total on any input: a Defect, never undefined behaviour, and no more memory than a small multiple of the
-// input. What comes back is valid: places ascend, weights sum to 2^bits, indices are in range.
-core::Result<NodeMesh> decode(std::span<const std::byte> bytes);
+// Tetrahedra must be by ascending place, each as put_in_order() leaves it.
+Payload encode(const NodeMesh& node, const Codec& codec);
+
+// Total on any input: a Defect, never undefined behaviour, and no more memory than `most` allows. What comes
+// back is valid: places ascend, weights sum to 2^bits, indices are in range, triangles use all vertices.
+core::Result<NodeMesh> decode(std::span<const std::byte> bytes, const NodeCounts& most);
 
 }  // namespace colossus::codec

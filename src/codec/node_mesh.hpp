@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "codec/coded_node.hpp"
 #include "hierarchy/diamond.hpp"
-#include "mesh/mesh.hpp"
 
 namespace colossus::codec {
 
@@ -16,7 +16,7 @@ inline constexpr int kMaxPositionBits = 16;
 inline constexpr int kDefaultPositionBits = 12;
 
 // Weights of the four corners in global order; they sum to 2^position_bits.
-using Weights = std::array<std::uint32_t, 4>;
+using Weights = Coordinates;
 
 // Bit i: weight i is 0, so the vertex lies on the face opposite corner i.
 inline std::uint8_t marks_of(const Weights& weights) {
@@ -26,14 +26,18 @@ inline std::uint8_t marks_of(const Weights& weights) {
   return marks;
 }
 
+// Where the first three weights lead: the corners as seen from the last, in units that make them small.
+Frame frame_of(const hierarchy::Tetrahedron& tetrahedron);
+
 // One tetrahedron of a node. All vertex arrays have one entry per vertex, or none where the attribute is
 // absent.
 struct QuantizedTetrahedron {
   std::uint8_t place = 0;
+  Frame frame = kIdentityFrame;  // frame_of() the tetrahedron
   std::vector<Weights> weights;
   // marks_of() the weights.
   std::vector<std::uint8_t> marks;
-  std::vector<std::array<std::uint8_t, 2>> normals;
+  std::vector<OctahedralNormal> normals;
   std::vector<mesh::Color> colors;
   std::vector<mesh::Triangle> triangles;
   friend bool operator==(const QuantizedTetrahedron&, const QuantizedTetrahedron&) = default;

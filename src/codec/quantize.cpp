@@ -6,14 +6,13 @@
 
 #include "codec/pinches.hpp"
 #include "codec/polylines.hpp"
-#include "codec/vertex_order.hpp"
+#include "codec/renumber.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec {
 namespace {
 
 using mesh::Triangle;
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
   while (parents[i] != i) i = parents[i] = parents[parents[i]];
@@ -132,22 +131,18 @@ Quantized quantize(mesh::Mesh mesh, const hierarchy::Tetrahedron& tetrahedron, s
   for (std::size_t v = 0; v < weights.size(); ++v)
     result.displacement =
         std::max(result.displacement, moved_by(weights[roots[v]], vertices[v].position, tetrahedron, scale));
-  order_for_cache(triangles, vertices.size());
-
   QuantizedTetrahedron& out = result.tetrahedron;
   out.place = place;
-  std::vector<std::uint32_t> renumbered(vertices.size(), kNone);
-  for (Triangle& t : triangles)
-    for (auto& v : t) {
-      if (renumbered[v] == kNone) {
-        renumbered[v] = static_cast<std::uint32_t>(out.weights.size());
-        out.weights.push_back(weights[v]);
-        out.marks.push_back(marks_of(weights[v]));
-        if (options.normals) out.normals.push_back(geometry::encode_octahedral(vertices[v].normal));
-        if (options.colors) out.colors.push_back(vertices[v].color);
-      }
-      v = renumbered[v];
-    }
+  out.frame = frame_of(tetrahedron);
+  const std::vector<std::uint32_t> before = renumber_by_first_use(triangles, vertices.size());
+  const std::size_t used = used_vertices(triangles, vertices.size());
+  for (std::size_t i = 0; i < used; ++i) {
+    const std::uint32_t v = before[i];
+    out.weights.push_back(weights[v]);
+    out.marks.push_back(marks_of(weights[v]));
+    if (options.normals) out.normals.push_back(geometry::encode_octahedral(vertices[v].normal));
+    if (options.colors) out.colors.push_back(vertices[v].color);
+  }
   out.triangles = std::move(triangles);
   return result;
 }

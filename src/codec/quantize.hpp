@@ -39,8 +39,8 @@ struct QuantizeOptions {
 
 // Triangles whose corners fall together are dropped and these vertices merged; opposite duplicates cancel.
 // Vertices that fall together otherwise are a pinch, which is legal unless edges do so too: then vertices
-// step aside or edges are split, so that quantisation makes no edge non-manifold. Triangles come out in
-// vertex-cache order, vertices in order of first use. A mesh that is not empty may come out empty.
+// step aside or edges are split, so that quantisation makes no edge non-manifold. Triangles keep their order,
+// vertices come out in order of first use. A mesh that is not empty may come out empty.
 Quantized quantize(mesh::Mesh mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
                    const QuantizeOptions& options);
 

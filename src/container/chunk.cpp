@@ -13,12 +13,13 @@ namespace {
 // A zstd block of the frame decodes to at most 128 KiB and takes at least 4 bytes (an RLE block: header and
 // value).
 constexpr std::uint64_t kMaxExpansion = (std::uint64_t{128} << 10) / 4;
+constexpr std::size_t kMostHeaderBytes = 32;
 
 using CompressionContext = std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)>;
 
 }  // namespace
 
-PackedChunk pack_chunk(std::span<const std::byte> payload, int zstd_level) {
+PackedChunk pack_chunk(std::span<const std::byte> payload, const PackOptions& options) {
   if (payload.size() > kMaxPayloadBytes)
     core::fail(core::Status::kNoResources,
                "a node of {} bytes does not fit into a chunk: expected at most {} bytes; use a smaller "
@@ -35,14 +36,25 @@ PackedChunk pack_chunk(std::span<const std::byte> payload, int zstd_level) {
   const CompressionContext context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
   if (!context)
     core::fail(core::Status::kNoResources, "not enough memory to compress {} bytes", content.size());
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, zstd_level);
-  packed.frame.resize(ZSTD_compressBound(content.size()));
-  const std::size_t size =
-      ZSTD_compress2(context.get(), packed.frame.data(), packed.frame.size(), content.data(), content.size());
-  if (ZSTD_isError(size))
-    core::fail(core::Status::kNoResources, "cannot compress {} bytes: {}", content.size(),
-               ZSTD_getErrorName(size));
-  packed.frame.resize(size);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, options.zstd_level);
+  ZSTD_CCtx_setPledgedSrcSize(context.get(), content.size());
+  // A block header and a frame header more for each piece than for all at once.
+  packed.frame.resize(ZSTD_compressBound(content.size()) + kMostHeaderBytes * (options.cuts.size() + 1));
+  ZSTD_outBuffer out{packed.frame.data(), packed.frame.size(), 0};
+  ZSTD_inBuffer in{content.data(), 0, 0};
+  const auto compress_until = [&](std::size_t end, ZSTD_EndDirective how) {
+    const std::size_t before = out.pos;
+    in.size = end;
+    const std::size_t left = ZSTD_compressStream2(context.get(), &out, &in, how);
+    if (ZSTD_isError(left))
+      core::fail(core::Status::kNoResources, "cannot compress {} bytes: {}", content.size(),
+                 ZSTD_getErrorName(left));
+    COLOSSUS_CHECK(left == 0 && in.pos == end, "{} bytes left of a piece that ends at {}", left, end);
+    packed.piece_bytes.push_back(out.pos - before);
+  };
+  for (const std::size_t cut : options.cuts) compress_until(cut, ZSTD_e_flush);
+  compress_until(content.size(), ZSTD_e_end);
+  packed.frame.resize(out.pos);
   packed.frame.shrink_to_fit();
   packed.checksum = core::hash64(packed.frame);
   return packed;

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/bytes.hpp"
 #include "core/error.hpp"
@@ -37,11 +38,19 @@ struct PackedChunk {
   std::uint32_t payload_bytes = 0;
   core::Bytes frame;  // one zstd frame that decodes to class_capacity() bytes: the payload, then zeros
   std::uint64_t checksum = 0;  // XXH3-64 of frame
+  // What each piece of the payload takes in the frame; the last is the rest behind the last cut.
+  std::vector<std::uint64_t> piece_bytes;
 };
 
-// Packs a payload. Equal payloads and levels give equal frames (for one version of zstd), whatever was packed
-// before. Throws Error(kNoResources) when the payload has more than kMaxPayloadBytes. Not collective.
-PackedChunk pack_chunk(std::span<const std::byte> payload, int zstd_level = 3);
+struct PackOptions {
+  int zstd_level = 3;
+  // Where pieces of the payload end that are to be told apart in piece_bytes: ascending offsets within it.
+  std::span<const std::size_t> cuts;
+};
+
+// Packs a payload. Equal payloads and options give equal frames (for one version of zstd), whatever was
+// packed before. Throws Error(kNoResources) when the payload has more than kMaxPayloadBytes. Not collective.
+PackedChunk pack_chunk(std::span<const std::byte> payload, const PackOptions& options = {});
 
 // The first payload_bytes of what the frame decodes to. The frame must be exactly what pack_chunk makes: one
 // zstd frame, nothing behind it, whose content is the capacity of payload_bytes' class and zero behind the

@@ -84,6 +84,19 @@ constexpr std::array<Share, 6> kShares{{{"target", "target_triangles", "initial_
                                         {"<15 deg", "angle_below_15", "triangles"},
                                         {"<30 deg", "angle_below_30", "triangles"}}};
 
+// What of the bits per vertex is spent on what, by the builder's counts of stored bytes; head, checksum and
+// frame are the rest.
+struct Part {
+  const char* title;
+  const char* name;  // in JSON
+  const char* bytes;
+};
+constexpr std::array<Part, 5> kParts{{{"topology", "connectivity", "connectivity_bytes"},
+                                      {"position", "positions", "position_bytes"},
+                                      {"normal", "normals", "normal_bytes"},
+                                      {"colour", "colors", "color_bytes"},
+                                      {"parent", "parents", "parent_bytes"}}};
+
 const container::LevelColumn* find_column(const container::Metadata& meta, std::string_view name) {
   for (const auto& column : meta.levels)
     if (column.name == name) return &column;
@@ -102,11 +115,23 @@ std::string share_cell(const container::Metadata& meta, const Share& share, std:
   return part && whole && *whole > 0.0 ? fmt::format("{:.1f}%", 100.0 * *part / *whole) : "-";
 }
 
-// Whether the table says this already, by the node table or as a share.
+std::optional<double> part_bits(const container::Metadata& meta, const Part& part, const LevelRow& level) {
+  const auto bytes = value_of(meta, part.bytes, level.level);
+  if (!bytes || level.vertices == 0) return std::nullopt;
+  return 8.0 * *bytes / static_cast<double>(level.vertices);
+}
+
+std::string part_cell(const container::Metadata& meta, const Part& part, const LevelRow& level) {
+  const auto bits = part_bits(meta, part, level);
+  return bits ? fmt::format("{:.2f}", *bits) : "-";
+}
+
+// Whether the table says this already, by the node table, as a part or as a share.
 bool is_shown(std::string_view name) {
   constexpr std::array<std::string_view, 8> kShown{"level",     "nodes",        "leaves",        "vertices",
                                                    "triangles", "stored_bytes", "payload_bytes", "error"};
   return std::find(kShown.begin(), kShown.end(), name) != kShown.end() ||
+         std::any_of(kParts.begin(), kParts.end(), [&](const Part& part) { return name == part.bytes; }) ||
          std::any_of(kShares.begin(), kShares.end(),
                      [&](const Share& share) { return name == share.part || name == share.whole; });
 }
@@ -115,6 +140,7 @@ std::string level_table(const StatueFile& statue, const Summary& summary) {
   std::vector<std::vector<std::string>> table{
       {"level", "nodes", "leaves", "triangles", "vertices", "bytes", "bits/vertex", "error"}};
   const container::Metadata& meta = statue.metadata();
+  for (const Part& part : kParts) table.front().push_back(part.title);
   for (const Share& share : kShares) table.front().push_back(share.title);
   for (const auto& column : meta.levels)
     if (!is_shown(column.name)) table.front().push_back(column.name);
@@ -123,6 +149,7 @@ std::string level_table(const StatueFile& statue, const Summary& summary) {
                      fmt::format("{}", level.leaves), fmt::format("{}", level.triangles),
                      fmt::format("{}", level.vertices), fmt::format("{}", level.bytes),
                      fmt::format("{:.2f}", level.bits_per_vertex()), fmt::format("{:.6g}", level.error)});
+    for (const Part& part : kParts) table.back().push_back(part_cell(meta, part, level));
     for (const Share& share : kShares) table.back().push_back(share_cell(meta, share, level.level));
     for (const auto& column : meta.levels)
       if (!is_shown(column.name)) table.back().push_back(cell_exact(column, level.level));
@@ -169,6 +196,7 @@ std::string info_text(const StatueFile& statue) {
   text += fmt::format("nodes               {}, of which {} leaves above the limit\n\n", statue.rows().size(),
                       summary.above_limit);
   text +=
+      "topology to parent: what of the bits per vertex is spent on what\n"
       "target, reached: share of the triangles that the level's inner nodes were made of; locked: of their "
       "vertices;\n"
       "< n deg: share of triangles with a smaller angle than that\n\n";
@@ -210,6 +238,8 @@ std::string info_json(const StatueFile& statue) {
                       {"bytes", level.bytes},
                       {"bits_per_vertex", level.bits_per_vertex()},
                       {"error", level.error}};
+    for (const Part& part : kParts)
+      if (const auto bits = part_bits(meta, part, level)) line["part_bits_per_vertex"][part.name] = *bits;
     for (const auto& column : meta.levels)
       std::visit(
           [&](const auto& values) {

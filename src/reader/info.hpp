@@ -8,8 +8,8 @@
 namespace colossus::reader {
 
 // Lines and a table per level: from the node table level, nodes, leaves, triangles, vertices, bytes, bits per
-// vertex (8 * stored bytes / vertices) and largest error; then shares made of the stored
-// statistics (target, reached, locked, small angles) and their other columns.
+// vertex (8 * stored bytes / vertices) and largest error; then what of the bits is spent on what and shares,
+// made of the stored statistics (target, reached, locked, small angles), and their other columns.
 std::string info_text(const StatueFile& statue);
 
 // The same as one JSON object: file, schema, scheme, lattice, position_bits, quantisation_error, attributes,

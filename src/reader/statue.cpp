@@ -126,7 +126,7 @@ Node Statue::load(RowIndex index) const {
   const auto payload = container().read_payload(index);
   // The container's defects name file and node themselves.
   if (!payload) core::fail(Status::kBadData, "{}", payload.defect().message);
-  auto decoded = codec::decode(payload.value());
+  auto decoded = codec::decode(payload.value(), {row.vertices, row.triangles});
   if (!decoded)
     fail_node(index,
               fmt::format("{} (byte {} of the payload)", decoded.defect().message, decoded.defect().offset));

@@ -46,6 +46,7 @@ Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
   BlockSettings settings;
   settings.lattice = catalog.lattice;
   settings.grid = grid;
+  settings.codec = &codec::codec_named(workspace.options.codec);
   settings.has_colors = catalog.has_colors;
   settings.color_weight = workspace.options.color_weight;
   settings.rounding_error =

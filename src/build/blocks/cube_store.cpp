@@ -1,31 +1,16 @@
 #include "build/blocks/cube_store.hpp"
 
 #include "build/catalog.hpp"
-#include "codec/vertex_order.hpp"
+#include "codec/renumber.hpp"
 #include "mesh/topology.hpp"
 
 namespace colossus::build {
 
-std::vector<std::uint32_t> order_cube(mesh::Mesh& mesh) {
-  constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  codec::order_for_cache(mesh.triangles, mesh.vertices.size());
-  std::vector<std::uint32_t> renumbered(mesh.vertices.size(), kNone);
-  std::vector<std::uint32_t> before;
-  const auto take = [&](std::uint32_t v) {
-    if (renumbered[v] != kNone) return;
-    renumbered[v] = static_cast<std::uint32_t>(before.size());
-    before.push_back(v);
-  };
-  for (mesh::Triangle& t : mesh.triangles)
-    for (auto& v : t) {
-      take(v);
-      v = renumbered[v];
-    }
-  for (std::uint32_t v = 0; v < renumbered.size(); ++v) take(v);
-  std::vector<mesh::Vertex> vertices;
-  vertices.reserve(before.size());
-  for (const auto v : before) vertices.push_back(mesh.vertices[v]);
-  mesh.vertices = std::move(vertices);
+std::vector<std::uint32_t> order_cube(mesh::Mesh& mesh, const codec::Codec& codec) {
+  codec.order(mesh.triangles, mesh.vertices.size());
+  const std::vector<std::uint32_t> before =
+      codec::renumber_by_first_use(mesh.triangles, mesh.vertices.size());
+  codec::permute(mesh.vertices, before);
   return before;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "build/sampled_mesh.hpp"
+#include "codec/codec.hpp"
 #include "hierarchy/octree.hpp"
 
 namespace colossus::build {
@@ -20,9 +21,9 @@ struct CubeRecord {
   double displacement = 0.0;
 };
 
-// Triangles into vertex-cache order, vertices into order of first use, those that no triangle uses after
+// Triangles into the codec's order, vertices into order of first use, those that no triangle uses after
 // them. Returns for each vertex its number before.
-std::vector<std::uint32_t> order_cube(mesh::Mesh& mesh);
+std::vector<std::uint32_t> order_cube(mesh::Mesh& mesh, const codec::Codec& codec);
 
 CubeRecord store_cube(const Workspace& workspace, const hierarchy::CubeId& id, const SampledMesh& content,
                       double displacement);

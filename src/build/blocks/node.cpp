@@ -5,8 +5,8 @@
 #include <unordered_set>
 
 #include "build/blocks/blocks.hpp"
+#include "build/store_node.hpp"
 #include "codec/cube_codec.hpp"
-#include "container/chunk.hpp"
 #include "geometry/octahedral.hpp"
 #include "simplify/collapse.hpp"
 #include "simplify/deviation.hpp"
@@ -158,7 +158,7 @@ class Block {
         if (parent_index(task_.cubes[c].record.id) == p)
           for (std::size_t i = 0; i < contents_[c].mesh.vertices.size(); ++i)
             number_of(representative_[welded_[bases[c] + i]]);
-      const std::vector<std::uint32_t> order = order_cube(parent.mesh);
+      const std::vector<std::uint32_t> order = order_cube(parent.mesh, *settings_.codec);
       std::vector<std::uint32_t> now(order.size());
       for (std::uint32_t i = 0; i < order.size(); ++i) now[order[i]] = i;
       for (std::size_t c = 0; c < contents_.size(); ++c)
@@ -228,12 +228,8 @@ class Block {
       row.bounds[k] = settings_.lattice.origin[k] + step * low[axis];
       row.bounds[k + 3] = settings_.lattice.origin[k] + step * high[axis];
     }
-    const container::PackedChunk chunk = container::pack_chunk(codec::encode(stored));
-    row.capacity_class = chunk.capacity_class;
-    row.payload_bytes = chunk.payload_bytes;
-    row.stored_bytes = chunk.frame.size();
-    row.checksum = chunk.checksum;
-    node.chunk = workspace_.writer.append_kept(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
+    const codec::Codec& codec = *settings_.codec;
+    store_node(workspace_, codec, codec::encode(stored, codec), node);
     node.statistics.angles = simplify::count_small_angles(mesh);
     node.displacement = settings_.input_error(cube.record.displacement);
     return node;

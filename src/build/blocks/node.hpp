@@ -4,6 +4,7 @@
 
 #include "build/blocks/partition.hpp"
 #include "build/hierarchy.hpp"
+#include "codec/codec.hpp"
 
 namespace colossus::build {
 
@@ -35,6 +36,7 @@ struct BlockResult {
 struct BlockSettings {
   geometry::Lattice lattice;
   Grid grid;
+  const codec::Codec* codec = nullptr;
   bool has_colors = false;
   double color_weight = 0.0;    // see simplify::Region
   double rounding_error = 0.0;  // world units: by which the lattice and the grid have moved the vertices

@@ -167,6 +167,7 @@ void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& c
   }
   std::stable_sort(assigned.begin(), assigned.end(),
                    [](const Assigned& a, const Assigned& b) { return a.id < b.id; });
+  const codec::Codec& codec = codec::codec_named(workspace.options.codec);
   std::vector<std::uint32_t> renumbered(mesh.vertices.size(), ~std::uint32_t{0});
   std::vector<std::uint32_t> triangles;
   for (std::size_t i = 0; i < assigned.size();) {
@@ -178,7 +179,7 @@ void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& c
       displacement = std::max(displacement, splitter.displacement(assigned[i].triangle));
     }
     SampledMesh content{mesh_of_cube(mesh, triangles, renumbered), {}};
-    order_cube(content.mesh);
+    order_cube(content.mesh, codec);
     out.cubes.push_back(store_cube(workspace, id, content, displacement));
   }
 }

@@ -70,6 +70,7 @@ Hierarchy build_diamonds(const Workspace& workspace, Catalog& catalog) {
     broadcast_value(ranks, settings.quantize.position_bits);
   }
   settings.quantize.normals = true;
+  settings.codec = &codec::codec_named(workspace.options.codec);
   settings.quantize.colors = catalog.has_colors;
   settings.leaf_triangles = workspace.options.leaf_triangles;
   settings.floor_triangles = floor_triangles(workspace.options);

@@ -5,8 +5,8 @@
 
 #include "build/catalog.hpp"
 #include "build/diamonds/diamond_region.hpp"
+#include "build/store_node.hpp"
 #include "codec/node_codec.hpp"
-#include "container/chunk.hpp"
 #include "simplify/collapse.hpp"
 #include "simplify/deviation.hpp"
 
@@ -163,19 +163,15 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
     row.vertices += static_cast<std::uint32_t>(stored.tetrahedron.weights.size());
     row.triangles += static_cast<std::uint32_t>(stored.tetrahedron.triangles.size());
     bounds.add(stored.tetrahedron, tetrahedron);
+    codec::put_in_order(stored.tetrahedron, *settings.codec);
     mesh.tetrahedra.push_back(std::move(stored.tetrahedron));
   }
   row.error = std::max(deviation * settings.lattice.step + result.node.displacement + settings.input_error,
                        task.least_error);
   if (row.triangles == 0) bounds.add(task.center, mesh.position_bits);
   row.bounds = bounds.world(settings.lattice, mesh.position_bits);
-  const container::PackedChunk chunk = container::pack_chunk(codec::encode(mesh));
-  row.capacity_class = chunk.capacity_class;
-  row.payload_bytes = chunk.payload_bytes;
-  row.stored_bytes = chunk.frame.size();
-  row.checksum = chunk.checksum;
-  result.node.chunk =
-      workspace.writer.append_kept(static_cast<std::uint32_t>(RecordKind::kChunk), chunk.frame);
+  const codec::Codec& codec = *settings.codec;
+  store_node(workspace, codec, codec::encode(mesh, codec), result.node);
   if (!task.is_leaf)
     for (const PlacedMesh& part : parts)
       result.tetrahedra.push_back(store_tetrahedron(workspace, {task.center, part.place}, part.content));

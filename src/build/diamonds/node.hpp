@@ -4,6 +4,7 @@
 
 #include "build/diamonds/tetrahedron_mesh.hpp"
 #include "build/hierarchy.hpp"
+#include "codec/codec.hpp"
 #include "codec/quantize.hpp"
 #include "geometry/lattice.hpp"
 #include "simplify/region.hpp"
@@ -42,6 +43,7 @@ struct NodeResult {
 struct NodeSettings {
   geometry::Lattice lattice;
   codec::QuantizeOptions quantize;
+  const codec::Codec* codec = nullptr;
   std::uint64_t leaf_triangles = 0;
   std::uint64_t floor_triangles = 0;
   double input_error = 0.0;  // world units, by which the lattice moved the input

@@ -1,0 +1,55 @@
+#include "codec/codec.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "codec/zstd/packed_arrays.hpp"
+
+namespace colossus::codec {
+namespace {
+
+constexpr int kUsualLevel = 3;
+
+// A version that was released stays readable: a new one gets a row of its own, before the old one.
+constexpr std::array kCodecs{
+    Codec{"zstd", 3, 1, kUsualLevel, &order_for_cache, &encode_packed, &decode_packed},
+};
+
+// Before there was a table, ids stood for schemes, and payloads had no checksum.
+constexpr std::uint8_t kGreatestOldId = 2;
+
+}  // namespace
+
+std::span<const Codec> codecs() { return kCodecs; }
+
+const Codec& codec_named(std::string_view name) {
+  const auto found =
+      std::find_if(kCodecs.begin(), kCodecs.end(), [&](const Codec& c) { return c.name == name; });
+  if (found != kCodecs.end()) return *found;
+  std::string names;
+  for (const Codec& codec : kCodecs) names += fmt::format("{}{}", names.empty() ? "" : ", ", codec.name);
+  core::fail(core::Status::kUsage, "--codec {} is unknown; choose one of {}", name, names);
+}
+
+core::Result<const Codec*> codec_of(std::span<const std::byte> payload) {
+  core::ByteReader reader(payload);
+  const auto id = reader.get<std::uint8_t>();
+  const auto version = reader.get<std::uint8_t>();
+  if (reader.failed()) return core::Defect{"the payload is cut short", 0};
+  for (const Codec& codec : kCodecs)
+    if (codec.id == id && codec.version == version) return &codec;
+  if (id > 0 && id <= kGreatestOldId && version == 1)
+    return core::Defect{
+        fmt::format("codec {} version {} is that of early containers, which this program no longer reads; "
+                    "build the container again",
+                    id, version),
+        0};
+  std::string known;
+  for (const Codec& codec : kCodecs)
+    known +=
+        fmt::format("{}{} version {} ({})", known.empty() ? "" : ", ", codec.id, codec.version, codec.name);
+  return core::Defect{
+      fmt::format("codec {} version {} is unknown; this program reads codec {}", id, version, known), 0};
+}
+
+}  // namespace colossus::codec

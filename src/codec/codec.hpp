@@ -1,0 +1,42 @@
+// The table of codecs: the one place that knows all of them. A payload begins with its codec's id and
+// version; schemas/container.md describes the bytes.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "codec/coded_node.hpp"
+#include "core/error.hpp"
+
+namespace colossus::codec {
+
+struct Codec {
+  const char* name;
+  std::uint8_t id;
+  std::uint8_t version;
+  // At which a container's frame around the payload is compressed: fast where the bytes are small already.
+  int zstd_level;
+  // Puts triangles, and with them vertices by first use, into the order that encode() wants; corners keep
+  // their cyclic order. Deterministic; a second time it changes nothing where encode() wants more than first
+  // use.
+  void (*order)(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count);
+  // The parts' triangles must be as order() leaves them; anything else is a bug and ends the program.
+  Sections (*encode)(const CodedNode& node);
+  // Fills the arrays of the parts, which have the right sizes; everything else about the node is known.
+  // Total on any bytes, and no slower than linear in bytes and counts. What comes back may break what
+  // CodedPart says of order, but indices are in range.
+  std::optional<core::Defect> (*decode)(const SectionViews& sections, CodedNode& node);
+};
+
+// All of them, the default one first.
+std::span<const Codec> codecs();
+
+// Throws Error(kUsage) that lists the codecs when there is none of this name.
+const Codec& codec_named(std::string_view name);
+
+// Of these bytes' first two. A Defect that says what this program reads when it does not know them.
+core::Result<const Codec*> codec_of(std::span<const std::byte> payload);
+
+}  // namespace colossus::codec
