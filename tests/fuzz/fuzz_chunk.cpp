@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto payload = container::unpack_chunk(frame, payload_bytes);
   if (!payload) return 0;
   if (payload.value().size() != payload_bytes) std::abort();
-  const container::PackedChunk again = container::pack_chunk(payload.value(), 1);
+  const container::PackedChunk again = container::pack_chunk(payload.value(), {1, {}});
   const auto same = container::unpack_chunk(again.frame, payload_bytes);
   if (!same || same.value() != payload.value()) std::abort();
   return 0;

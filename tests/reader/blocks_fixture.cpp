@@ -219,7 +219,8 @@ void BlocksFixture::write() const {
       row.bounds = {bounds.low[0],  bounds.low[1],  bounds.low[2],
                     bounds.high[0], bounds.high[1], bounds.high[2]};
     }
-    container::PackedChunk chunk = container::pack_chunk(codec::encode(mesh));
+    container::PackedChunk chunk =
+        container::pack_chunk(codec::encode(mesh, codec::codec_named("zstd")).bytes);
     row.capacity_class = chunk.capacity_class;
     row.payload_bytes = chunk.payload_bytes;
     row.stored_bytes = chunk.frame.size();

@@ -279,7 +279,7 @@ void StatueFixture::write() const {
       row.bounds = {bounds.low[0],  bounds.low[1],  bounds.low[2],
                     bounds.high[0], bounds.high[1], bounds.high[2]};
     }
-    core::Bytes payload = codec::encode(node.mesh);
+    core::Bytes payload = codec::encode(node.mesh, codec::codec_named("zstd")).bytes;
     if (change_payload) change_payload(payload);
     container::PackedChunk chunk = container::pack_chunk(payload);
     row.capacity_class = chunk.capacity_class;

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <random>
 
 #include "core/error.hpp"
+#include "core/hash.hpp"
 #include "reader/info.hpp"
 #include "reader/statue_fixture.hpp"
 #include "reader/verify.hpp"
@@ -173,6 +175,10 @@ TEST(Statue, IsTotalOnNonsense) {
         if (random() % 4 == 0) payload[random() % 64] = static_cast<std::byte>(random());
         if (random() % 16 == 0) payload[random() % payload.size()] = static_cast<std::byte>(random());
         if (random() % 16 == 0) payload.resize(random() % payload.size());
+        if (payload.size() < sizeof(std::uint64_t)) return;
+        const auto content = std::span(payload).first(payload.size() - sizeof(std::uint64_t));
+        const std::uint64_t checksum = core::hash64(content);
+        std::memcpy(payload.data() + content.size(), &checksum, sizeof checksum);
       };
     const auto statue = fixture.open();
     fixture.change_payload = {};

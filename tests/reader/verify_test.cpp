@@ -155,14 +155,6 @@ TEST(Verify, ComparesWithTheFinestCutWhereTheInputWasNotCounted) {
   EXPECT_GE(verified(fixture).count(FindingKind::kBorder), 1U);
 }
 
-TEST(Verify, FindsAWrongMark) {
-  StatueFixture fixture(torus(40, 24), 100);
-  const FaceVertex at = some_face_vertex(fixture, true);
-  at.part->marks[at.vertex] = 0;
-  // Marks are redundant with the weights, so decoding refuses the node.
-  EXPECT_GE(verified(fixture).count(FindingKind::kDamage), 1U);
-}
-
 TEST(Verify, FindsEveryFlippedBitOfAChunk) {
   StatueFixture fixture(sphere(3), 100);
   const auto statue = fixture.open();
@@ -331,13 +323,6 @@ TEST(Verify, MeasuresTheErrorsAgainstTheInput) {
 }
 
 // Without any marks no face has a polyline, and all agree; in a closed surface that is impossible.
-TEST(Verify, FindsThatAllMarksAreMissing) {
-  StatueFixture fixture(torus(40, 24), 100);
-  for (auto& [key, node] : fixture.nodes)
-    for (auto& part : node.mesh.tetrahedra) std::fill(part.marks.begin(), part.marks.end(), std::uint8_t{0});
-  EXPECT_GE(verified(fixture).count(FindingKind::kDamage), fixture.nodes.size() / 2);
-}
-
 TEST(Verify, BoundsTheExamplesButCountsAll) {
   StatueFixture fixture(torus(40, 24), 100);
   for (auto& [key, node] : fixture.nodes) node.row.error = key.first;
