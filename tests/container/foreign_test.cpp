@@ -132,7 +132,7 @@ TEST_F(Foreign, RefusesAParameterThatIsNoNumber) {
   test::Sample sample = make_sample(3);
   sample.metadata.parameters[1].value = std::numeric_limits<double>::quiet_NaN();
   const auto caught = catch_error([&] { write_sample(sample, path_); });
-  EXPECT_EQ(caught.status, Status::kBadData);
+  EXPECT_EQ(caught.status, Status::kIo);
   EXPECT_TRUE(caught.says("/parameters: row 1: a parameter: expected a finite number, found nan"))
       << caught.message;
 }
