@@ -76,7 +76,8 @@ void sync_folder(const std::filesystem::path& file) {
   const int error = ::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
   ::close(descriptor);
   if (error != 0)
-    core::fail(Status::kIo, "{}: cannot flush to disk: {}", folder.string(), std::strerror(error));
+    core::fail(core::write_status(error), "{}: is complete, but its folder cannot be flushed to disk: {}",
+               file.string(), std::strerror(error));
 }
 
 }  // namespace

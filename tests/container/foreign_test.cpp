@@ -131,6 +131,7 @@ TEST_F(Foreign, ReadsSchemaVersion10) {
 TEST_F(Foreign, RefusesAParameterThatIsNoNumber) {
   test::Sample sample = make_sample(3);
   sample.metadata.parameters[1].value = std::numeric_limits<double>::quiet_NaN();
+  // The writer finds it when it reads back, and no input is to blame.
   const auto caught = catch_error([&] { write_sample(sample, path_); });
   EXPECT_EQ(caught.status, Status::kIo);
   EXPECT_TRUE(caught.says("/parameters: row 1: a parameter: expected a finite number, found nan"))

@@ -1,0 +1,88 @@
+"""Lets every operation of a small build that changes files fail, one at a time: with a full disk, with a device that
+fails, by coming short. The build says so with one message and the right status and leaves no container under the final
+name, or it has overcome the fault; --resume then makes the bytes of a build without one. COLOSSUS_FAULT_RANKS: on so
+many ranks; else without mpirun."""
+import concurrent.futures
+import errno
+import os
+import shutil
+
+import faults
+import program
+from faults import Fault
+
+RANKS = int(os.environ.get("COLOSSUS_FAULT_RANKS", 0))
+WORKERS = 2
+# What fails is no write, and may be of no consequence: a file that is closed after it was flushed, or scratch that cannot
+# be removed after the container is complete.
+MAY_BE_OVERCOME = ("close", "unlink", "rmdir")
+
+
+class WriteFaults(faults.FaultTest):
+    def faults_of(self, n, operation):
+        """What may happen to the n-th operation of this name: (fault, the statuses that are right)."""
+        full, broken = (str(errno.ENOSPC), faults.NO_RESOURCES), (str(errno.EIO), faults.IO)
+        if operation in MAY_BE_OVERCOME:
+            return [(Fault(operation, n, "before", broken[0]), (program.OK, faults.IO))]
+        found = [(Fault(operation, n, "before", error), (status,)) for error, status in (full, broken)]
+        if operation == "pwrite":
+            found.append((Fault(operation, n, "half", "short"), (program.OK,)))
+            # As it mostly happens: the last bytes that there is room for are written.
+            found[0] = (Fault(operation, n, self.random.choice(["before", "half"]), full[0]), (full[1],))
+        return found
+
+    def check(self, scheme, *options):
+        options = ["--scheme", scheme, *options]
+        statue = self.statue(400)
+        trace = self.make_reference(self.builder("reference", [statue], options))
+        writes = [operation for operation, *_ in trace]
+        self.assertGreater(writes.count("pwrite"), 30)
+        print(f"{scheme}: {len(writes)} operations, {writes.count('pwrite')} of them writes")
+        cases = [(fault, statuses, trace[i]) for i, operation in enumerate(writes)
+                 for fault, statuses in self.faults_of(writes[:i + 1].count(operation), operation)]
+
+        failures = []
+
+        def check_case(case):
+            number, (fault, statuses, operation) = case
+            builder = self.builder(f"case_{number}", [statue], options)
+            try:
+                self.check_fault(builder, fault, statuses, f"{scheme}: {' '.join(operation)}: {fault}")
+            except AssertionError as failure:
+                failures.append(str(failure))
+            builder.end_ranks()
+            shutil.rmtree(builder.folder)
+
+        with concurrent.futures.ThreadPoolExecutor(WORKERS) as pool:
+            list(pool.map(check_case, enumerate(cases)))
+        self.assertFalse(failures, f"{len(failures)} of {len(cases)} faults\n" + "\n".join(failures[:10]))
+
+    def check_fault(self, builder, fault, statuses, what):
+        run = builder.run(ranks=RANKS, fault=fault)
+        if RANKS == 0 or fault.event not in (*MAY_BE_OVERCOME, "create"):  # of which several ranks have other numbers
+            self.assertGreaterEqual(run.events, fault.n, f"{what}: the operation was not reached\n{run}")
+            self.assertIn(run.status, statuses, f"{what}: {run}")
+        self.assert_right_or_nothing(builder, what)
+        self.assertFalse(os.path.exists(builder.output + ".part"), f"{what}: the part is left")
+        if run.status == program.OK:
+            self.assertTrue(self.is_right(builder), what)
+            self.assertFalse(run.errors, f"{what}: {run}")
+            if os.path.exists(builder.scratch):
+                self.assertEqual(len(run.warnings), 1, f"{what}: scratch is left in silence: {run}")
+                self.assertIn(builder.scratch, run.warnings[0], what)
+        else:
+            self.assertEqual(len(run.errors), 1, f"{what}: {run}")
+            self.assertIn(run.status, statuses, f"{what}: {run}")
+            self.assertIn(builder.output, run.errors[0], f"{what}: the message names no file")
+            self.assertIn(os.strerror(int(fault.action)), run.errors[0], what)
+        self.assert_resumes(builder, what, RANKS)
+
+    def test_diamonds(self):
+        self.check("diamonds", "--leaf-triangles", 300)
+
+    def test_blocks(self):
+        self.check("blocks", "--leaf-triangles", 200, "--levels", 1)
+
+
+if __name__ == "__main__":
+    program.main()
