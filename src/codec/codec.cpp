@@ -3,15 +3,19 @@
 #include <algorithm>
 #include <string>
 
+#include "codec/predict/connectivity.hpp"
+#include "codec/predict/predict.hpp"
 #include "codec/zstd/packed_arrays.hpp"
 
 namespace colossus::codec {
 namespace {
 
+constexpr int kFastLevel = 1;
 constexpr int kUsualLevel = 3;
 
 // A version that was released stays readable: a new one gets a row of its own, before the old one.
 constexpr std::array kCodecs{
+    Codec{"predict", 5, 1, kFastLevel, &predict::order_by_traversal, &encode_predicted, &decode_predicted},
     Codec{"zstd", 3, 1, kUsualLevel, &order_for_cache, &encode_packed, &decode_packed},
 };
 

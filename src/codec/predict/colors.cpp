@@ -1,0 +1,79 @@
+#include "codec/predict/colors.hpp"
+
+namespace colossus::codec::predict {
+namespace {
+
+using Channels = std::array<std::int32_t, 4>;
+
+constexpr std::uint32_t kLuma = 0;    // by the number of neighbours
+constexpr std::uint32_t kOrange = 2;  // by the size of the luma
+constexpr std::uint32_t kGreen = 5;   // likewise
+constexpr std::uint32_t kOpacity = 8;
+
+std::uint32_t luma_context(const VertexLinks& links) { return kLuma + (links.neighbor_count > 2 ? 1U : 0U); }
+std::uint32_t size_class(std::uint32_t luma) { return luma < 6 ? 0U : luma < 18 ? 1U : 2U; }
+
+Channels predict(const std::vector<VertexLinks>& links, const std::vector<mesh::Color>& colors,
+                 std::size_t v) {
+  const VertexLinks& own = links[v];
+  const std::int32_t count = own.neighbor_count;
+  Channels prediction{};
+  if (count == 0) {
+    if (v > 0)
+      for (std::size_t c = 0; c < 4; ++c) prediction[c] = colors[v - 1][c];
+    return prediction;
+  }
+  for (std::size_t i = 0; i < own.neighbor_count; ++i)
+    for (std::size_t c = 0; c < 4; ++c) prediction[c] += colors[own.neighbors[i]][c];
+  // (2 sum + count) / (2 count), by 65536ths, rounded up: sums are below 2^11.
+  constexpr std::array<std::int32_t, kMostNeighbors + 1> kInverses{0, 32768, 16384, 10923, 8192};
+  const std::int32_t inverse = kInverses[static_cast<std::size_t>(count)];
+  for (auto& channel : prediction) channel = (2 * channel + count) * inverse >> 16;
+  return prediction;
+}
+
+}  // namespace
+
+void encode_colors(ValueEncoder& values, const std::vector<VertexLinks>& links, const CodedPart& part) {
+  const std::size_t count = part.colors.size();
+  std::vector<Channels> residuals(count);
+  for (std::size_t v = 0; v < count; ++v) {
+    Channels d = predict(links, part.colors, v);
+    for (std::size_t c = 0; c < 4; ++c) d[c] = part.colors[v][c] - d[c];
+    const std::int32_t orange = d[0] - d[2];
+    const std::int32_t middle = d[2] + (orange >> 1);
+    const std::int32_t green = d[1] - middle;
+    residuals[v] = {middle + (green >> 1), orange, green, d[3]};
+  }
+  const auto put = [&](std::size_t channel, auto context_of) {
+    for (std::size_t v = 0; v < count; ++v) values.put(context_of(v), to_unsigned(residuals[v][channel]));
+    values.end_batch();
+  };
+  put(0, [&](std::size_t v) { return luma_context(links[v]); });
+  put(1, [&](std::size_t v) { return kOrange + size_class(to_unsigned(residuals[v][0])); });
+  put(2, [&](std::size_t v) { return kGreen + size_class(to_unsigned(residuals[v][0])); });
+  put(3, [&](std::size_t) { return kOpacity; });
+}
+
+void decode_colors(ValueDecoder& values, const std::vector<VertexLinks>& links, CodedPart& part) {
+  const std::size_t count = part.colors.size();
+  std::array<std::vector<std::uint32_t>, 4> read;
+  for (auto& channel : read) channel.resize(count);
+  values.get_batch(read[0], [&](std::size_t v) { return luma_context(links[v]); });
+  values.get_batch(read[1], [&](std::size_t v) { return kOrange + size_class(read[0][v]); });
+  values.get_batch(read[2], [&](std::size_t v) { return kGreen + size_class(read[0][v]); });
+  values.get_batch(read[3], [](std::size_t) { return kOpacity; });
+  for (std::size_t v = 0; v < count; ++v) {
+    const Channels p = predict(links, part.colors, v);
+    const std::int32_t green = to_signed(read[2][v]);
+    const std::int32_t middle = wrapped_difference(to_signed(read[0][v]), green >> 1);
+    const std::int32_t orange = to_signed(read[1][v]);
+    const std::int32_t blue = wrapped_difference(middle, orange >> 1);
+    part.colors[v] = {static_cast<std::uint8_t>(wrapped_sum(p[0], wrapped_sum(blue, orange))),
+                      static_cast<std::uint8_t>(wrapped_sum(p[1], wrapped_sum(middle, green))),
+                      static_cast<std::uint8_t>(wrapped_sum(p[2], blue)),
+                      static_cast<std::uint8_t>(wrapped_sum(p[3], to_signed(read[3][v])))};
+  }
+}
+
+}  // namespace colossus::codec::predict

@@ -1,0 +1,17 @@
+// Colours, predicted by the mean of the neighbours that come before; what is left is turned into luma and two
+// chromas without loss (YCoCg-R: Malvar, Sullivan and Srinivasan, Lifting-based reversible color
+// transformations for image compression, 2008). Opacity stays apart.
+#pragma once
+
+#include "codec/predict/basis.hpp"
+#include "codec/predict/traversal.hpp"
+#include "codec/predict/values.hpp"
+
+namespace colossus::codec::predict {
+
+inline constexpr std::size_t kColorContexts = 2 + 3 + 3 + 1;
+
+void encode_colors(ValueEncoder& values, const std::vector<VertexLinks>& links, const CodedPart& part);
+void decode_colors(ValueDecoder& values, const std::vector<VertexLinks>& links, CodedPart& part);
+
+}  // namespace colossus::codec::predict

@@ -1,0 +1,363 @@
+#include "codec/predict/positions.hpp"
+
+namespace colossus::codec::predict {
+namespace {
+
+constexpr std::uint32_t kNoFace = 4;
+// Wider coordinates are too coarse a measure of a plane than this many bits are.
+constexpr int kPlaneBits = 18;
+constexpr int kNormalBits = 28;
+constexpr int kFaceNormalBits = 10;
+
+// Contexts of values.
+constexpr std::uint32_t kAlong = 0;        // by the number of parallelograms
+constexpr std::uint32_t kAcross = 4;       // by the size of the two before
+constexpr std::uint32_t kFaceAlong = 8;    // by whether there is a parallelogram
+constexpr std::uint32_t kFaceAcross = 10;  // by the size of the one before
+
+std::uint32_t magnitude(std::uint32_t value) { return (value >> 1) + (value & 1U); }
+
+std::uint32_t across_context(std::uint32_t first, std::uint32_t second) {
+  const std::uint32_t size = std::max(magnitude(first), magnitude(second));
+  return kAcross + (size < 4 ? 0 : size < 12 ? 1 : size < 40 ? 2 : 3);
+}
+std::uint32_t face_across_context(std::uint32_t along) {
+  const std::uint32_t size = magnitude(along);
+  return kFaceAcross + (size < 4 ? 0 : size < 24 ? 1 : 2);
+}
+
+// A plane, and the point on it that parallelograms lead to.
+struct Prediction {
+  Vector point{};
+  LongVector normal{};
+  std::size_t steepest = 0;
+};
+
+// A face of the tetrahedron as a target: which weights are free, which of them is coded first, and where.
+struct FacePrediction {
+  std::array<std::size_t, 3> free{};
+  std::size_t first = 0;
+  std::size_t second = 0;
+  Coordinates point{};
+  std::int64_t slope_numerator = 0;  // of the second against the first
+  std::int64_t slope_denominator = 1;
+};
+
+class Predictor {
+ public:
+  Predictor(const Basis& basis, const std::vector<VertexLinks>& links, const CodedNode& node,
+            std::size_t vertex_count)
+      : basis_(basis),
+        links_(links),
+        is_cube_(node.is_cube),
+        one_(std::uint32_t{1} << (node.position_bits & 31)),
+        shift_(std::max(0, node.position_bits - kPlaneBits)),
+        points_(vertex_count),
+        faces_(vertex_count) {}
+
+  bool may_be_on_face(std::uint32_t v) const { return !is_cube_ && links_[v].is_border; }
+
+  // On which faces the neighbours that come before are; bits.
+  std::uint32_t neighbor_faces(std::uint32_t v) const {
+    std::uint32_t faces = 0;
+    for (std::size_t i = 0; i < links_[v].neighbor_count; ++i) faces |= faces_[links_[v].neighbors[i]];
+    return faces;
+  }
+
+  // The only weight that is 0, or kNoFace.
+  static std::uint32_t face_of(const Coordinates& weights) {
+    std::uint32_t face = kNoFace;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      if (weights[i] != 0) continue;
+      if (face != kNoFace) return kNoFace;
+      face = i;
+    }
+    return face;
+  }
+  void set_face(std::uint32_t v, std::uint32_t face) {
+    faces_[v] = static_cast<std::uint8_t>(face == kNoFace ? 0 : 1U << face);
+  }
+
+  Vector point_of(const Coordinates& weights) const {
+    const Vector w{static_cast<std::int32_t>(weights[0]), static_cast<std::int32_t>(weights[1]),
+                   static_cast<std::int32_t>(weights[2])};
+    return {wrapped_dot(basis_.from_weights[0], w), wrapped_dot(basis_.from_weights[1], w),
+            wrapped_dot(basis_.from_weights[2], w)};
+  }
+  Coordinates weights_of(const Vector& point) const {
+    Coordinates weights{};
+    std::uint32_t left = one_;
+    for (std::size_t i = 0; i < 3; ++i) {
+      weights[i] = static_cast<std::uint32_t>(wrapped_dot(basis_.to_weights[i], point));
+      left -= weights[i];
+    }
+    weights[3] = is_cube_ ? 0 : left;
+    return weights;
+  }
+  void set_point(std::uint32_t v, const Vector& point) { points_[v] = point; }
+
+  Prediction predict(std::uint32_t v) const {
+    Prediction prediction;
+    const VertexLinks& links = links_[v];
+    if (links.relation_count == 0) {
+      if (v > 0) prediction.point = points_[v - 1];
+      return prediction;
+    }
+    const Vector& p = points_[links.relations[0].first];
+    const Vector& q = points_[links.relations[0].second];
+    const Vector& r = points_[links.relations[0].opposite];
+    for (std::size_t i = 0; i < 3; ++i)
+      prediction.point[i] = wrapped_difference(wrapped_sum(p[i], q[i]), r[i]);
+    if (links.relation_count > 1) average(links, prediction.point);
+    prediction.normal = normal_of(p, q, r);
+    for (std::size_t i = 1; i < 3; ++i)
+      if (std::abs(prediction.normal[i]) > std::abs(prediction.normal[prediction.steepest]))
+        prediction.steepest = i;
+    return prediction;
+  }
+
+  // Where the plane is at the given distances from the predicted point.
+  static std::int32_t height(const Prediction& prediction, std::int32_t first, std::int32_t second) {
+    const std::size_t m = prediction.steepest;
+    std::int64_t slope = prediction.normal[m];
+    if (slope == 0) return 0;
+    std::int64_t rise = -(prediction.normal[(m + 1) % 3] * first + prediction.normal[(m + 2) % 3] * second);
+    if (slope < 0) {
+      slope = -slope;
+      rise = -rise;
+    }
+    return static_cast<std::int32_t>(rounded_quotient(rise, slope));
+  }
+
+  FacePrediction predict_on_face(const Prediction& prediction, std::uint32_t face) const;
+
+ private:
+  void average(const VertexLinks& links, Vector& point) const {
+    const std::size_t count = links.relation_count;
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::int64_t sum = point[i];
+      for (std::size_t k = 1; k < count; ++k) {
+        const Relation& relation = links.relations[k];
+        sum += std::int64_t{points_[relation.first][i]} + points_[relation.second][i] -
+               points_[relation.opposite][i];
+      }
+      point[i] = static_cast<std::int32_t>(count == 2 ? (sum + 1) >> 1 : rounded_quotient(sum, 3));
+    }
+  }
+
+  LongVector normal_of(const Vector& p, const Vector& q, const Vector& r) const {
+    LongVector a{};
+    LongVector b{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      a[i] = wrapped_difference(q[i], p[i]) >> shift_;
+      b[i] = wrapped_difference(r[i], p[i]) >> shift_;
+    }
+    LongVector n{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    limit(n, kNormalBits);
+    return n;
+  }
+
+  static void limit(LongVector& n, int bits) {
+    const auto size = static_cast<std::uint64_t>(std::abs(n[0]) | std::abs(n[1]) | std::abs(n[2]));
+    const int excess = static_cast<int>(std::bit_width(size)) - bits;
+    if (excess > 0)
+      for (auto& entry : n) entry >>= excess;
+  }
+
+  LongVector direction_of(const LongVector& gradient) const {
+    LongVector direction{};
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) direction[i] += basis_.metric[i][j] * gradient[j];
+    return direction;
+  }
+
+  const Basis& basis_;
+  const std::vector<VertexLinks>& links_;
+  bool is_cube_;
+  std::uint32_t one_;
+  int shift_;
+  std::vector<Vector> points_;
+  std::vector<std::uint8_t> faces_;
+};
+
+std::int64_t dot(const LongVector& a, const LongVector& b) {
+  std::int64_t sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) sum = wrapped_difference(sum, wrapped_product(-a[i], b[i]));
+  return sum;
+}
+
+// The shortest way within the plane is along s * direction(face) + t * direction(plane), where direction()
+// makes the vector of a gradient.
+FacePrediction Predictor::predict_on_face(const Prediction& prediction, std::uint32_t face) const {
+  Coordinates start = weights_of(prediction.point);
+  LongVector gradient{};
+  for (std::size_t i = 0; i < 3; ++i)
+    gradient[i] = face < 3 ? basis_.to_weights[face][i]
+                           : -(basis_.to_weights[0][i] + basis_.to_weights[1][i] + basis_.to_weights[2][i]);
+  LongVector normal = prediction.normal;
+  limit(normal, kFaceNormalBits);
+  const LongVector face_way = direction_of(gradient);
+  const LongVector plane_way = direction_of(normal);
+  const std::int64_t a = dot(gradient, face_way);
+  const std::int64_t b = dot(gradient, plane_way);
+  const std::int64_t c = dot(normal, plane_way);
+  const std::int64_t area = wrapped_difference(wrapped_product(a, c), wrapped_product(b, b));
+  const auto distance = static_cast<std::int32_t>(start[face]);
+  if (area > 0) {
+    Vector end = prediction.point;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::int64_t back =
+          wrapped_difference(wrapped_product(plane_way[i], b), wrapped_product(face_way[i], c));
+      // Two bits less, so that rounding cannot overflow.
+      const std::int64_t move = rounded_quotient(wrapped_product(back, distance) >> 2, (area >> 2) + 1);
+      end[i] = wrapped_sum(end[i], static_cast<std::int32_t>(move));
+    }
+    start = weights_of(end);
+  }
+  FacePrediction result;
+  for (std::size_t i = 0, k = 0; i < 4; ++i)
+    if (i != face) result.free[k++] = i;
+  result.point = start;
+  // The gradient of the plane against the weights.
+  std::array<std::int64_t, 4> slopes{};
+  for (std::size_t j = 0; j < 3; ++j)
+    for (std::size_t i = 0; i < 3; ++i) slopes[j] += normal[i] * basis_.from_weights[i][j];
+  LongVector line{};
+  for (std::size_t k = 0; k < 3; ++k)
+    line[k] = slopes[result.free[(k + 1) % 3]] - slopes[result.free[(k + 2) % 3]];
+  std::size_t first = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (std::abs(line[k]) > std::abs(line[first])) first = k;
+  result.first = result.free[first];
+  result.second = result.free[(first + 1) % 3];
+  if (line[first] != 0) {
+    result.slope_numerator = line[first] < 0 ? -line[(first + 1) % 3] : line[(first + 1) % 3];
+    result.slope_denominator = std::abs(line[first]);
+  }
+  return result;
+}
+
+std::int32_t face_height(const FacePrediction& face, std::int32_t along) {
+  return static_cast<std::int32_t>(rounded_quotient(face.slope_numerator * along, face.slope_denominator));
+}
+
+std::uint32_t relation_context(const VertexLinks& links) { return links.relation_count; }
+
+}  // namespace
+
+void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& values, const Basis& basis,
+                      const std::vector<VertexLinks>& links, const CodedNode& node, const CodedPart& part) {
+  const auto count = static_cast<std::uint32_t>(part.positions.size());
+  Predictor predictor(basis, links, node, count);
+  struct Along {
+    std::uint32_t context;
+    std::uint32_t value;
+  };
+  std::vector<Along> along;
+  std::vector<std::uint32_t> across;
+  std::vector<Along> face_along;
+  std::vector<std::uint32_t> face_across;
+  for (std::uint32_t v = 0; v < count; ++v) {
+    const Coordinates& weights = part.positions[v];
+    std::uint32_t face = kNoFace;
+    if (predictor.may_be_on_face(v)) {
+      face = Predictor::face_of(weights);
+      faces.put(face_bits, predictor.neighbor_faces(v), face);
+      predictor.set_face(v, face);
+    }
+    const Prediction prediction = predictor.predict(v);
+    const Vector point = predictor.point_of(weights);
+    predictor.set_point(v, point);
+    if (face == kNoFace) {
+      const std::size_t m = prediction.steepest;
+      Vector miss{};
+      for (std::size_t i = 0; i < 3; ++i) miss[i] = wrapped_difference(point[i], prediction.point[i]);
+      const std::int32_t first = miss[(m + 1) % 3];
+      const std::int32_t second = miss[(m + 2) % 3];
+      along.push_back({kAlong + relation_context(links[v]), to_unsigned(first)});
+      along.push_back({kAlong + relation_context(links[v]), to_unsigned(second)});
+      across.push_back(
+          to_unsigned(wrapped_difference(miss[m], Predictor::height(prediction, first, second))));
+    } else {
+      const FacePrediction on_face = predictor.predict_on_face(prediction, face);
+      const auto first = static_cast<std::int32_t>(weights[on_face.first] - on_face.point[on_face.first]);
+      const auto second = static_cast<std::int32_t>(weights[on_face.second] - on_face.point[on_face.second]);
+      face_along.push_back({kFaceAlong + (links[v].relation_count > 0 ? 1U : 0U), to_unsigned(first)});
+      face_across.push_back(to_unsigned(wrapped_difference(second, face_height(on_face, first))));
+    }
+  }
+  for (const Along& a : along) values.put(a.context, a.value);
+  values.end_batch();
+  for (std::size_t i = 0; i < across.size(); ++i)
+    values.put(across_context(along[2 * i].value, along[2 * i + 1].value), across[i]);
+  values.end_batch();
+  for (const Along& a : face_along) values.put(a.context, a.value);
+  values.end_batch();
+  for (std::size_t i = 0; i < face_across.size(); ++i)
+    values.put(face_across_context(face_along[i].value), face_across[i]);
+  values.end_batch();
+}
+
+void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& values, const Basis& basis,
+                      const std::vector<VertexLinks>& links, const CodedNode& node, CodedPart& part) {
+  const auto count = static_cast<std::uint32_t>(part.positions.size());
+  Predictor predictor(basis, links, node, count);
+  std::vector<std::uint8_t> face_of(count);
+  std::vector<std::uint8_t> contexts;
+  std::vector<std::uint8_t> face_contexts;
+  contexts.reserve(count);
+  for (std::uint32_t v = 0; v < count; ++v) {
+    std::uint32_t face = kNoFace;
+    if (predictor.may_be_on_face(v)) {
+      face = std::min(faces.get(face_bits, predictor.neighbor_faces(v)), kNoFace);
+      predictor.set_face(v, face);
+    }
+    face_of[v] = static_cast<std::uint8_t>(face);
+    if (face == kNoFace)
+      contexts.push_back(static_cast<std::uint8_t>(kAlong + relation_context(links[v])));
+    else
+      face_contexts.push_back(static_cast<std::uint8_t>(kFaceAlong + (links[v].relation_count > 0 ? 1 : 0)));
+  }
+  std::vector<std::uint32_t> along(2 * contexts.size());
+  std::vector<std::uint32_t> across(contexts.size());
+  std::vector<std::uint32_t> face_along(face_contexts.size());
+  std::vector<std::uint32_t> face_across(face_contexts.size());
+  values.get_batch(along, [&](std::size_t i) { return contexts[i / 2]; });
+  values.get_batch(across, [&](std::size_t i) { return across_context(along[2 * i], along[2 * i + 1]); });
+  values.get_batch(face_along, [&](std::size_t i) { return face_contexts[i]; });
+  values.get_batch(face_across, [&](std::size_t i) { return face_across_context(face_along[i]); });
+  std::size_t next = 0;
+  std::size_t next_face = 0;
+  const std::uint32_t one = std::uint32_t{1} << (node.position_bits & 31);
+  for (std::uint32_t v = 0; v < count; ++v) {
+    const Prediction prediction = predictor.predict(v);
+    Coordinates& weights = part.positions[v];
+    if (face_of[v] == kNoFace) {
+      const std::size_t m = prediction.steepest;
+      const std::int32_t first = to_signed(along[2 * next]);
+      const std::int32_t second = to_signed(along[2 * next + 1]);
+      Vector point = prediction.point;
+      point[(m + 1) % 3] = wrapped_sum(point[(m + 1) % 3], first);
+      point[(m + 2) % 3] = wrapped_sum(point[(m + 2) % 3], second);
+      point[m] = wrapped_sum(
+          point[m], wrapped_sum(to_signed(across[next]), Predictor::height(prediction, first, second)));
+      ++next;
+      weights = predictor.weights_of(point);
+      predictor.set_point(v, point);
+    } else {
+      const FacePrediction on_face = predictor.predict_on_face(prediction, face_of[v]);
+      const std::int32_t first = to_signed(face_along[next_face]);
+      const std::int32_t second = wrapped_sum(to_signed(face_across[next_face]), face_height(on_face, first));
+      ++next_face;
+      weights = {};
+      weights[on_face.first] = on_face.point[on_face.first] + static_cast<std::uint32_t>(first);
+      weights[on_face.second] = on_face.point[on_face.second] + static_cast<std::uint32_t>(second);
+      const std::size_t third =
+          on_face.free[0] + on_face.free[1] + on_face.free[2] - on_face.first - on_face.second;
+      weights[third] = one - weights[on_face.first] - weights[on_face.second];
+      predictor.set_point(v, predictor.point_of(weights));
+    }
+  }
+}
+
+}  // namespace colossus::codec::predict

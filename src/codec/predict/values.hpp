@@ -1,0 +1,141 @@
+// Sequences of small integers by interleaved rANS (J. Duda, Asymmetric numeral systems, 2013; F. Giesen,
+// Interleaved entropy coders, 2014), with one static table per context and node.
+//
+// A value is a token and raw bits: tokens 0 to 15 are the values themselves, above them each octave has four
+// tokens. Tables hold 2^11 slots; four states take turns, so that their latencies overlap.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "codec/predict/bit_coder.hpp"
+#include "core/error.hpp"
+
+namespace colossus::codec::predict {
+
+inline constexpr int kSlotBits = 11;
+inline constexpr std::uint32_t kSlots = 1 << kSlotBits;
+inline constexpr std::uint32_t kTokens = 128;
+inline constexpr std::size_t kLanes = 4;
+
+// Small for small magnitudes, whatever the sign; any 32 bits.
+constexpr std::uint32_t to_unsigned(std::int32_t value) {
+  return static_cast<std::uint32_t>(value) << 1 ^ static_cast<std::uint32_t>(value >> 31);
+}
+constexpr std::int32_t to_signed(std::uint32_t value) {
+  return static_cast<std::int32_t>(value >> 1 ^ (~(value & 1U) + 1U));
+}
+
+struct TokenRange {
+  std::uint32_t base = 0;
+  std::uint32_t bits = 0;
+};
+inline constexpr std::array<TokenRange, kTokens> kTokenRanges = [] {
+  std::array<TokenRange, kTokens> ranges{};
+  for (std::uint32_t token = 0; token < kTokens; ++token) {
+    const std::uint32_t octave = 4 + (token - 16) / 4;
+    ranges[token] =
+        token < 16 ? TokenRange{token, 0} : TokenRange{(4 + token % 4) << (octave - 2), octave - 2};
+  }
+  return ranges;
+}();
+constexpr std::uint32_t token_of(std::uint32_t value) {
+  if (value < 16) return value;
+  const auto octave = static_cast<std::uint32_t>(std::bit_width(value)) - 1;
+  return 16 + (octave - 4) * 4 + (value >> (octave - 2) & 3U);
+}
+
+// Adds up to kSlots; 0 for what does not occur.
+using Frequencies = std::array<std::uint16_t, kTokens>;
+
+class ValueEncoder {
+ public:
+  explicit ValueEncoder(std::size_t context_count) : counts_(context_count) {}
+  void put(std::uint32_t context, std::uint32_t value) {
+    const std::uint32_t token = token_of(value);
+    ++counts_[context][token];
+    symbols_.push_back({value, static_cast<std::uint8_t>(context), static_cast<std::uint8_t>(token)});
+  }
+  // Between sequences that the decoder takes with one call each.
+  void end_batch() { batches_.push_back(symbols_.size()); }
+  core::Bytes finish();
+
+ private:
+  struct Symbol {
+    std::uint32_t value;
+    std::uint8_t context;
+    std::uint8_t token;
+  };
+  std::vector<std::array<std::uint32_t, kTokens>> counts_;
+  std::vector<Symbol> symbols_;
+  std::vector<std::size_t> batches_;
+};
+
+// Total on any bytes: what is missing reads as 0.
+class ValueDecoder {
+ public:
+  ValueDecoder(std::span<const std::byte> bytes, std::size_t context_count);
+
+  // The next values.size() values; context_of(i) must not depend on those of the same batch.
+  template <typename ContextOf>
+  void get_batch(std::span<std::uint32_t> values, ContextOf context_of) {
+    const std::size_t count = values.size();
+    std::array<std::uint32_t, kLanes> x = states_;
+    std::size_t i = 0;
+    const auto lookup = [&](std::size_t at, std::uint32_t state) {
+      return slots_[tables_[context_of(at)] + (state & (kSlots - 1))];
+    };
+    const auto advance = [](std::uint32_t slot, std::uint32_t state) {
+      return (slot >> 20) * (state >> kSlotBits) + (slot >> 8 & 0xfffU);
+    };
+    for (; i + kLanes <= count && word_ + 2 * kLanes <= words_.size(); i += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const std::uint32_t slot = lookup(i + lane, x[lane]);
+        values[i + lane] = slot & 0xffU;
+        const std::uint32_t state = advance(slot, x[lane]);
+        std::uint16_t word = 0;
+        std::memcpy(&word, words_.data() + word_, sizeof word);
+        const bool is_low = state < kLeastState;
+        x[lane] = is_low ? state << 16 | word : state;
+        word_ += is_low ? 2 : 0;
+      }
+    for (; i < count; ++i) {
+      std::uint32_t& state = x[i % kLanes];
+      const std::uint32_t slot = lookup(i, state);
+      values[i] = slot & 0xffU;
+      state = advance(slot, state);
+      if (state < kLeastState) state = state << 16 | next_word();
+    }
+    states_ = x;
+    add_raw_bits(values);
+  }
+
+  // Whether all was read, no more and no less.
+  bool is_done() const;
+
+ private:
+  static constexpr std::uint32_t kLeastState = 1 << 16;
+  friend class ValueEncoder;
+
+  std::uint32_t next_word();
+  void add_raw_bits(std::span<std::uint32_t> values);
+  std::uint32_t raw_bits(std::uint32_t count);
+
+  bool is_valid_ = true;
+  std::vector<std::uint32_t> tables_;  // where in slots_ that of each context begins
+  // Of the contexts that occur, and first one of zeros, for bytes that use another.
+  std::vector<std::uint32_t> slots_;  // frequency << 20 | slot within the token << 8 | token
+  std::array<std::uint32_t, kLanes> states_{};
+  std::span<const std::byte> words_;
+  std::size_t word_ = 0;
+  std::span<const std::byte> raw_;
+  std::size_t raw_offset_ = 0;
+  std::uint64_t buffer_ = 0;
+  std::uint32_t buffered_ = 0;
+};
+
+}  // namespace colossus::codec::predict
