@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "codec/paper/paper_codec.hpp"
+#include "codec/paper/strips.hpp"
 #include "codec/predict/connectivity.hpp"
 #include "codec/predict/predict.hpp"
 #include "codec/zstd/packed_arrays.hpp"
@@ -17,6 +19,7 @@ constexpr int kUsualLevel = 3;
 constexpr std::array kCodecs{
     Codec{"predict", 5, 1, kFastLevel, &predict::order_by_traversal, &encode_predicted, &decode_predicted},
     Codec{"zstd", 3, 1, kUsualLevel, &order_for_cache, &encode_packed, &decode_packed},
+    Codec{"paper", 4, 1, kFastLevel, &order_in_strips, &encode_paper, &decode_paper},
 };
 
 // Before there was a table, ids stood for schemes, and payloads had no checksum.
