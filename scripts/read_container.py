@@ -12,16 +12,19 @@ appear once in each, with equal bits.
 """
 import argparse
 import itertools
-import struct
+import os
 import sys
 
 import h5py
 import numpy
 import zstandard
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import paper_codec  # noqa: E402
+
 SCHEMA_MAJOR = 1
 IS_LEAF = 1
-HAS_NORMALS, HAS_COLORS, HAS_PARENTS = 1, 2, 4
+HAS_NORMALS, HAS_COLORS, HAS_PARENTS, IS_CUBE = 1, 2, 4, 8
 
 
 class BadContainer(Exception):
@@ -129,62 +132,76 @@ class Reader:
         return values
 
 
-def index_type(vertex_count):
-    return "<u1" if vertex_count < 2**8 else "<u2" if vertex_count < 2**16 else "<u4"
+def narrowest(largest):
+    return "<u1" if largest < 2**8 else "<u2" if largest < 2**16 else "<u4"
 
 
 def decode_payload(data):
-    """(position_bits, flags, list of dicts: place, weights (n, 4), marks (n), normals, colors, triangles (t, 3))."""
-    reader = Reader(data)
+    """A dict: bits, is_cube, offset, and parts, a list of dicts: place, positions (n, 3), which are the first three
+    weights of a tetrahedron, normals (n, 2), octahedral, colors (n, 4), parents (n), triangles (t, 3). None for what
+    the node does not have."""
+    # The last eight bytes are an XXH3-64, for which Debian's Python has no module.
+    if len(data) < 8:
+        raise BadContainer("payload: cut short")
+    reader = Reader(data[:-8])
     codec, version, bits, flags, count = (int(v) for v in reader.take("<u1", 5))
-    if (codec, version) != (1, 1):
-        raise BadContainer(f"payload: expected codec 1 version 1, found {codec} version {version}")
-    heads = [struct.unpack("<BII", reader.take("<u1", 9).tobytes()) for _ in range(count)]
-    tetrahedra = []
-    for place, n, t in heads:
-        weight = "<u2" if bits < 16 else "<u4"
-        weights = numpy.stack([reader.take(weight, n) for _ in range(3)], axis=1).astype(numpy.int64)
-        last = 2**bits - weights.sum(axis=1, keepdims=True)
-        if (last < 0).any():
-            raise BadContainer(f"payload: weights at place {place} sum to more than 2^{bits}")
-        part = {"place": place, "weights": numpy.hstack([weights, last]), "marks": reader.take("<u1", n)}
-        part["normals"] = decode_normals(reader.take("<u1", n), reader.take("<u1", n)) if flags & HAS_NORMALS else None
-        part["colors"] = numpy.stack([reader.take("<u1", n) for _ in range(4)], axis=1) if flags & HAS_COLORS else None
-        part["triangles"] = decode_corners(reader.take(index_type(n), 3 * t), n).reshape(-1, 3)
-        tetrahedra.append(part)
-    if reader.offset != len(data):
-        raise BadContainer(f"payload: {len(data) - reader.offset} bytes left over")
-    return bits, flags, tetrahedra
+    if (codec, version) not in CODECS:
+        raise BadContainer(f"payload: codec {codec} version {version} is unknown; this program reads {list(CODECS)}")
+    heads = reader.take("<u4", 3 * count).reshape(-1, 3).astype(numpy.int64)
+    is_cube = flags & IS_CUBE != 0
+    offset = reader.take("<i4", 3).astype(numpy.int64) if is_cube else None
+    sizes = [int(size) for size in reader.take("<u4", len(SECTIONS))]
+    sections = [reader.take("<u1", size).tobytes() for size in sizes]
+    if reader.offset != len(data) - 8:
+        raise BadContainer(f"payload: {len(data) - 8 - reader.offset} bytes left over")
+    present = (True, True, flags & HAS_NORMALS, flags & HAS_COLORS, flags & HAS_PARENTS)
+    if any(size and not has for size, has in zip(sizes, present)):
+        raise BadContainer("payload: a section for what the node does not have")
+    sections = [section if has else None for section, has in zip(sections, present)]
+    vertex_counts, triangle_counts = heads[:, 1].tolist(), heads[:, 2].tolist()
+    arrays = CODECS[codec, version](sections, vertex_counts, triangle_counts, bits, is_cube)
+    parts = [{"place": int(heads[i, 0]) >> 24, **{k: None if v is None else v[i] for k, v in arrays.items()}}
+             for i in range(count)]
+    return {"bits": bits, "is_cube": is_cube, "offset": offset, "parts": parts}
 
 
-def decode_cube_payload(data):
-    """A dict: flags, positions (n, 3) on the lattice, normals, colors, parents (n) or None, triangles (t, 3), used."""
-    reader = Reader(data)
-    codec, version, flags, width, parent_bytes = (int(v) for v in reader.take("<u1", 5))
-    if (codec, version) != (2, 1):
-        raise BadContainer(f"payload: expected codec 2 version 1, found {codec} version {version}")
-    if width > 32 or parent_bytes not in ((1, 2, 4) if flags & HAS_PARENTS else (0,)):
-        raise BadContainer(f"payload: width {width}, {parent_bytes} bytes per parent")
-    n, t = (int(v) for v in reader.take("<u4", 2))
-    offset = reader.take("<i4", 3).astype(numpy.int64)
-    axes = []
-    for axis in range(3):
-        planes = [reader.take("<u1", n).astype(numpy.int64) << 8 * byte for byte in range(max(1, (width + 7) // 8))]
-        axes.append(offset[axis] + sum(planes))
-    cube = {"flags": flags, "positions": numpy.stack(axes, axis=1)}
-    if n and cube["positions"].max() >= 2**31:
-        raise BadContainer("payload: a coordinate is out of range")
-    cube["normals"] = decode_normals(reader.take("<u1", n), reader.take("<u1", n)) if flags & HAS_NORMALS else None
-    cube["colors"] = numpy.stack([reader.take("<u1", n) for _ in range(4)], axis=1) if flags & HAS_COLORS else None
-    cube["parents"] = reader.take(f"<u{parent_bytes}", n).astype(numpy.int64) if flags & HAS_PARENTS else None
-    codes = reader.take(index_type(n), 3 * t)
-    cube["used"] = int((codes == 0).sum())
-    if cube["used"] > n:
-        raise BadContainer(f"payload: triangles use {cube['used']} of {n} vertices")
-    cube["triangles"] = decode_corners(codes, cube["used"]).reshape(-1, 3)
-    if reader.offset != len(data):
-        raise BadContainer(f"payload: {len(data) - reader.offset} bytes left over")
-    return cube
+def decode_packed(sections, vertex_counts, triangle_counts, bits, is_cube):
+    """Codec 3, "zstd": arrays as they are."""
+    readers = [None if section is None else Reader(section) for section in sections]
+    connectivity, positions, normals, colors, parents = readers
+    coordinate = narrowest(2**bits - is_cube)
+
+    def planes(reader, dtype, width):
+        if reader is None:
+            return None
+        return [numpy.stack([reader.take(dtype, n) for _ in range(width)], axis=1) for n in vertex_counts]
+
+    def decode_parents(n):
+        size = int(parents.take("<u1")[0])
+        if size not in (1, 2, 4):
+            raise BadContainer(f"payload: {size} bytes per parent")
+        return parents.take(f"<u{size}", n).astype(numpy.int64)
+
+    arrays = {"positions": [p.astype(numpy.int64) for p in planes(positions, coordinate, 3)],
+              "normals": planes(normals, "<u1", 2), "colors": planes(colors, "<u1", 4),
+              "parents": None if parents is None else [decode_parents(n) for n in vertex_counts],
+              "triangles": [decode_corners(connectivity.take(narrowest(n), 3 * t), n).reshape(-1, 3)
+                            for n, t in zip(vertex_counts, triangle_counts)]}
+    for reader in readers:
+        if reader is not None and reader.offset != len(reader.data):
+            raise BadContainer(f"payload: {len(reader.data) - reader.offset} bytes left over in a section")
+    return arrays
+
+
+def decode_paper(*arguments):
+    try:
+        return paper_codec.decode_sections(*arguments)
+    except paper_codec.BadSection as error:
+        raise BadContainer(f"payload: {error}")
+
+
+CODECS = {(3, 1): decode_packed, (4, 1): decode_paper}
+SECTIONS = ("connectivity", "positions", "normals", "colors", "parents")
 
 
 def decode_corners(codes, vertex_count):
@@ -192,9 +209,14 @@ def decode_corners(codes, vertex_count):
     codes = codes.astype(numpy.int64)
     is_new = (codes == 0).astype(numpy.int64)
     indices = numpy.cumsum(is_new) - is_new - codes
-    if is_new.sum() != vertex_count or (indices < 0).any():
+    if is_new.sum() > vertex_count or (indices < 0).any():
         raise BadContainer(f"payload: triangles use {is_new.sum()} of {vertex_count} vertices, or a wrong one")
     return indices
+
+
+def used_vertices(triangles):
+    """How many vertices the triangles use; these must come first."""
+    return int(triangles.max()) + 1 if triangles.size else 0
 
 
 def decode_normals(u, v):
@@ -213,25 +235,39 @@ def decode_node(container, index):
 
 def decode_cube(container, index):
     """Without the vertices that only parent maps name: they come last."""
-    node, cube = container.nodes[index], decode_cube_payload(container.payload(index))
-    if (len(cube["positions"]), len(cube["triangles"])) != (node["vertices"], node["triangles"]):
+    node, payload = container.nodes[index], decode_payload(container.payload(index))
+    if not payload["is_cube"] or len(payload["parts"]) != 1:
+        raise BadContainer(f"node {index}: expected a cube")
+    part = payload["parts"][0]
+    if (len(part["positions"]), len(part["triangles"])) != (node["vertices"], node["triangles"]):
         raise BadContainer(f"node {index}: expected {node['vertices']} vertices, {node['triangles']} triangles")
-    if (cube["flags"] & HAS_PARENTS != 0) != (node["level"] > 0):
+    if (part["parents"] is not None) != (node["level"] > 0):
         raise BadContainer(f"node {index}: expected parents at all levels but 0")
-    used = cube["used"]
-    world = container.origin + container.step * cube["positions"][:used]
-    normals, colors = (None if values is None else values[:used] for values in (cube["normals"], cube["colors"]))
-    return world, normals, colors, cube["triangles"]
+    positions = payload["offset"] + part["positions"]
+    if len(positions) and positions.max() >= 2**31:
+        raise BadContainer(f"node {index}: a coordinate is out of range")
+    used = used_vertices(part["triangles"])
+    world = container.origin + container.step * positions[:used]
+    normals = None if part["normals"] is None else decode_normals(*part["normals"][:used].T)
+    return world, normals, None if part["colors"] is None else part["colors"][:used], part["triangles"]
 
 
 def decode_diamond(container, index):
     """Its tetrahedra one after the other."""
-    node = container.nodes[index]
-    bits, flags, parts = decode_payload(container.payload(index))
+    node, payload = container.nodes[index], decode_payload(container.payload(index))
+    bits, parts = payload["bits"], payload["parts"]
+    if payload["is_cube"]:
+        raise BadContainer(f"node {index}: expected tetrahedra, found a cube")
     corners = diamond(int(node["level"]), node["center"], container.root_bits)
     positions, triangles, start = [], [], 0
     for part in parts:
-        scaled = part["weights"] @ corners[part["place"]]  # exact: 64-bit integers, lattice position times 2^bits
+        last = 2**bits - part["positions"].sum(axis=1, keepdims=True)
+        if (last < 0).any():
+            raise BadContainer(f"node {index}: weights at place {part['place']} sum to more than 2^{bits}")
+        if used_vertices(part["triangles"]) != len(last):
+            raise BadContainer(f"node {index}: a vertex at place {part['place']} is used by no triangle")
+        # Exact: 64-bit integers, lattice position times 2^bits.
+        scaled = numpy.hstack([part["positions"], last]) @ corners[part["place"]]
         positions.append(container.origin + (container.step / 2**bits) * scaled)
         triangles.append(part["triangles"] + start)
         start += len(scaled)
@@ -240,9 +276,11 @@ def decode_diamond(container, index):
         raise BadContainer(f"node {index}: expected tetrahedra {node['tetra_mask']:#x}")
     if start != node["vertices"] or sum(map(len, triangles)) != node["triangles"]:
         raise BadContainer(f"node {index}: expected {node['vertices']} vertices, {node['triangles']} triangles")
+    has_normals = parts and parts[0]["normals"] is not None
+    has_colors = parts and parts[0]["colors"] is not None
     return (join(positions) if parts else numpy.zeros((0, 3)),
-            join([p["normals"] for p in parts]) if parts and flags & HAS_NORMALS else None,
-            join([p["colors"] for p in parts]) if parts and flags & HAS_COLORS else None,
+            join([decode_normals(*p["normals"].T) for p in parts]) if has_normals else None,
+            join([p["colors"] for p in parts]) if has_colors else None,
             join(triangles) if parts else numpy.zeros((0, 3), dtype=numpy.int64))
 
 

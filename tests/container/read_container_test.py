@@ -18,6 +18,7 @@ except ImportError as error:
     sys.exit(77)
 
 SAMPLE, SCRIPT = sys.argv[1:3]
+CODECS = ("zstd", "paper")
 spec = importlib.util.spec_from_file_location("read_container", SCRIPT)
 sys.dont_write_bytecode = True
 rc = importlib.util.module_from_spec(spec)
@@ -81,11 +82,12 @@ class Hierarchy(unittest.TestCase):
 
 class Payload(unittest.TestCase):
     def test_index_types_follow_the_vertex_count(self):
-        self.assertEqual([rc.index_type(n) for n in (255, 256, 65535, 65536)], ["<u1", "<u2", "<u2", "<u4"])
+        self.assertEqual([rc.narrowest(n) for n in (255, 256, 65535, 65536)], ["<u1", "<u2", "<u2", "<u4"])
 
     def test_corners(self):
         codes = numpy.array([0, 0, 0, 1, 3, 0], dtype="<u1")
         self.assertEqual(rc.decode_corners(codes, 4).tolist(), [0, 1, 2, 2, 0, 3])
+        self.assertEqual(rc.decode_corners(codes, 9).tolist(), [0, 1, 2, 2, 0, 3])
         with self.assertRaises(rc.BadContainer):
             rc.decode_corners(codes, 3)
         with self.assertRaises(rc.BadContainer):
@@ -102,23 +104,26 @@ class Payload(unittest.TestCase):
         self.assertGreater(axis[0, 0], 0.999)
 
     def test_truncation_at_every_length_is_refused(self):
-        with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "a.h5")
-            subprocess.run([SAMPLE, path, "0"], check=True)
-            payload = rc.Container(path).payload(0)
-        rc.decode_payload(payload)
-        for size in range(len(payload)):
-            with self.assertRaises(rc.BadContainer):
-                rc.decode_payload(payload[:size])
+        for codec, shape in itertools.product(CODECS, ("0", "blocks")):
+            with tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, "a.h5")
+                subprocess.run([SAMPLE, path, shape, codec], check=True)
+                payload = rc.Container(path).payload(1)
+            rc.decode_payload(payload)
+            for size in range(len(payload)):
+                with self.assertRaises(rc.BadContainer):
+                    rc.decode_payload(payload[:size])
 
 
 class Program(unittest.TestCase):
+    codec = "zstd"
+
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.path = os.path.join(self.folder.name, "a.h5")
         self.ply = os.path.join(self.folder.name, "out.ply")
-        subprocess.run([SAMPLE, self.path, "0"], check=True)
+        subprocess.run([SAMPLE, self.path, "0", self.codec], check=True)
 
     def test_lists_levels_and_nodes(self):
         result = run(self.path)
@@ -165,7 +170,7 @@ class Program(unittest.TestCase):
         self.check_root(vertices, faces)
 
     def test_a_thousand_nodes_take_seconds(self):
-        subprocess.run([SAMPLE, self.path, "1000"], check=True)
+        subprocess.run([SAMPLE, self.path, "1000", "zstd"], check=True)
         start = time.monotonic()
         result = run(self.path, "--level", "15", "-o", self.ply)
         print(f"1000 nodes: {time.monotonic() - start:.2f} s", file=sys.stderr)
@@ -191,13 +196,14 @@ class Program(unittest.TestCase):
 
 class Blocks(unittest.TestCase):
     """The root cube of side 2^9 and its child at the origin, laid out by hand in sample_container.cpp."""
+    codec = "zstd"
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.path = os.path.join(self.folder.name, "a.h5")
         self.ply = os.path.join(self.folder.name, "out.ply")
-        subprocess.run([SAMPLE, self.path, "blocks"], check=True)
+        subprocess.run([SAMPLE, self.path, "blocks", self.codec], check=True)
 
     def test_lists_scheme_and_parameters(self):
         result = run(self.path)
@@ -221,19 +227,20 @@ class Blocks(unittest.TestCase):
 
     def test_parents_are_vertices_of_the_parent_cube(self):
         container = rc.Container(self.path)
-        root, child = (rc.decode_cube_payload(container.payload(i)) for i in range(2))
+        root, child = (rc.decode_payload(container.payload(i))["parts"][0] for i in range(2))
         self.assertIsNone(root["parents"])
         self.assertEqual(child["parents"].tolist(), [0, 1, 1, 0])
         self.assertEqual(root["positions"][child["parents"]].tolist(),
-                         [[5, 20, 300], [261, 20, 0], [261, 20, 0], [5, 20, 300]])
-        self.assertEqual((child["used"], len(child["positions"])), (3, 4))
+                         [[0, 0, 300], [256, 0, 0], [256, 0, 0], [0, 0, 300]])
+        self.assertEqual((rc.used_vertices(child["triangles"]), len(child["positions"])), (3, 4))
 
-    def test_truncation_at_every_length_is_refused(self):
-        payload = rc.Container(self.path).payload(1)
-        rc.decode_cube_payload(payload)
-        for size in range(len(payload)):
-            with self.assertRaises(rc.BadContainer):
-                rc.decode_cube_payload(payload[:size])
+
+class ProgramForPaper(Program):
+    codec = "paper"
+
+
+class BlocksForPaper(Blocks):
+    codec = "paper"
 
 
 if __name__ == "__main__":
