@@ -72,6 +72,8 @@ struct Catalog {
   geometry::Bounds bounds;
   geometry::Lattice lattice;
   InputCounts counts;
+  std::uint64_t far_triangles =
+      0;  // whose first vertex is far from that of the triangle before, by number; on rank 0
   bool has_normals = false;  // at least one file has them; the others' are computed
   bool has_colors = false;
 };

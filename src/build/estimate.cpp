@@ -3,12 +3,115 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "build/blocks/blocks.hpp"
 #include "build/memory.hpp"
 #include "core/log.hpp"
 #include "scratch/directory.hpp"
 
 namespace colossus::build {
 namespace {
+
+constexpr double kMiB = 1 << 20;
+
+// What was measured, times this, is estimated: statues differ.
+constexpr double kMargin = 1.2;
+
+class Estimator {
+ public:
+  Estimator(const BuildOptions& options, const Catalog& catalog, const Occupancy& occupancy)
+      : options_(options),
+        catalog_(catalog),
+        occupancy_(occupancy),
+        is_blocks_(options.scheme == container::kSchemeBlocks),
+        triangles_(static_cast<double>(catalog.counts.triangles)),
+        vertices_(static_cast<double>(catalog.counts.vertices)),
+        leaf_(static_cast<double>(options.leaf_triangles)),
+        far_share_(std::min(static_cast<double>(catalog.far_triangles) / triangles_, 1.0)) {}
+
+  BuildEstimate run(std::uint64_t resident_bytes) const {
+    BuildEstimate needs;
+    needs.memory_bytes_per_rank = resident_bytes + static_cast<std::uint64_t>(task_memory());
+    needs.scratch_bytes = static_cast<std::uint64_t>(kMargin * scratch());
+    needs.output_bytes = static_cast<std::uint64_t>(kMargin * output());
+    return needs;
+  }
+
+ private:
+  double leaves() const { return std::max(triangles_ / leaf_, 1.0); }
+
+  // A group of triangles as join_vertices() takes them, and how many vertices one has, when shuffled.
+  double group() const { return std::clamp(triangles_ / 64, 131072.0, 524288.0); }
+  double far_vertices_per_triangle() const {
+    return vertices_ / group() * (1.0 - std::exp(-3.0 * group() / std::max(vertices_, 1.0)));
+  }
+
+  // Beyond what the program takes after the survey.
+  double task_memory() const {
+    const double buckets = std::min(32 * kMiB, 4 * kMiB + 110.0 * triangles_);
+    const double range =
+        43.0 * std::clamp(std::exp2(std::ceil(std::log2(vertices_ / 64 + 1))), 131072.0, 1048576.0);
+    const double groups = far_share_ * 150.0 * std::min(group(), triangles_);
+    double nodes = 1700.0 * std::min(leaf_, triangles_);
+    if (is_blocks_) nodes = 330.0 * block_triangles();
+    return std::max({buckets, range, groups, nodes});
+  }
+
+  // Of the largest block of the deepest level.
+  double block_triangles() const {
+    int level = 0;
+    while (level < geometry::kRootBits && triangles_ > leaf_ * occupancy_.cubes_at(level)) ++level;
+    level = options_.levels.value_or(level);
+    const double most = occupancy_.most_in_block(level, options_.block_size.value_or(kDefaultBlockSize));
+    return most / std::max(vertices_, 1.0) * triangles_;
+  }
+
+  // At the end of the phases that hold most.
+  double scratch() const {
+    const double vertex_bytes = 12.0 + (catalog_.has_normals ? 4.0 : 0.0) + (catalog_.has_colors ? 3.0 : 0.0);
+    const double raw_bytes = 24.0 + (catalog_.has_normals ? 12.0 : 0.0) + (catalog_.has_colors ? 3.0 : 0.0);
+    const double near = 1.05 * vertices_ / triangles_;
+    const double answered = near + far_share_ * (far_vertices_per_triangle() - near);
+    const double in_pieces = 1.15 * near + far_share_ * (2.9 - 1.15 * near);
+    const double survey = 12.0 + raw_bytes * vertices_ / triangles_;
+    const double requests = 12.0 + 4.0 * answered;
+    const double answers = (4.0 + vertex_bytes) * answered;
+    const double pieces = (8.0 + vertex_bytes) * in_pieces + 6.0;
+    const double samples = (is_blocks_ ? 14e3 : 82e3) / leaf_;
+    const double few_nodes = is_blocks_ ? 0.0 : std::min(2.2e6 / triangles_, 23.0);
+    const double kept = is_blocks_ ? 0.0 : 0.7 * output() / triangles_;
+    const double levels = (is_blocks_ ? 48.0 : 57.0) + samples + few_nodes + kept;
+    return triangles_ * std::max({survey + requests + answers, requests + answers + pieces, levels});
+  }
+
+  // All triangles of all nodes, per triangle of the input. A few tetrahedra have many coarse nodes above
+  // them.
+  double stored_triangles() const {
+    if (is_blocks_) return 4.0 / 3.0;
+    static constexpr std::array<std::pair<double, double>, 6> kMeasured{
+        {{1, 1.2}, {8, 2.0}, {11, 3.1}, {16, 3.2}, {50, 2.9}, {250, 2.6}}};
+    const double at = leaves();
+    for (std::size_t i = 1; i < kMeasured.size(); ++i) {
+      const auto [begin, low] = kMeasured[i - 1];
+      const auto [end, high] = kMeasured[i];
+      if (at < end) return low + (high - low) * std::log(at / begin) / std::log(end / begin);
+    }
+    return 2.5;
+  }
+
+  double output() const { return 10000.0 + triangles_ * stored_triangles() * 7.3; }
+
+  const BuildOptions& options_;
+  const Catalog& catalog_;
+  const Occupancy& occupancy_;
+  bool is_blocks_;
+  double triangles_;
+  double vertices_;
+  double leaf_;
+  double far_share_;
+};
 
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : ".";
@@ -26,24 +129,50 @@ bool is_same_device(const std::filesystem::path& a, const std::filesystem::path&
   return ::stat(a.c_str(), &of_a) == 0 && ::stat(b.c_str(), &of_b) == 0 && of_a.st_dev == of_b.st_dev;
 }
 
+void require_space(const std::filesystem::path& folder, std::uint64_t needed, std::uint64_t free,
+                   const std::string& what) {
+  if (needed <= free) return;
+  core::fail(core::Status::kNoResources, "{}: {} will need some {} more, but {} are free", folder.string(),
+             what, size_text(needed), size_text(free));
+}
+
+// The scratch that is there already is no longer free; at the end finished nodes lie in scratch and in the
+// output.
+void require(const Workspace& workspace, const BuildEstimate& needs, const std::filesystem::path& scratch,
+             const std::filesystem::path& output) {
+  const std::uint64_t used = scratch::bytes_in(scratch);
+  const std::uint64_t more = needs.scratch_bytes > used ? needs.scratch_bytes - used : 0;
+  const bool is_same = is_same_device(scratch, output);
+  if (is_same) {
+    require_space(scratch, std::max(more, 2 * needs.output_bytes), needs.free_scratch_bytes,
+                  "scratch and output");
+  } else {
+    require_space(scratch, more, needs.free_scratch_bytes, "scratch");
+    require_space(output, needs.output_bytes, needs.free_output_bytes, "the output");
+  }
+  if (needs.memory_bytes_per_rank > workspace.memory_bytes)
+    core::fail(core::Status::kNoResources,
+               "a rank will need some {} of memory, but may use {}: give each rank more with --memory, and "
+               "start fewer "
+               "ranks per host if need be",
+               size_text(needs.memory_bytes_per_rank), size_text(workspace.memory_bytes));
+}
+
 }  // namespace
 
-BuildEstimate estimate(const BuildOptions& options, const Catalog& catalog, std::uint64_t resident_bytes) {
-  (void)options;
-  BuildEstimate needs;
-  needs.memory_bytes_per_rank = resident_bytes;
-  needs.scratch_bytes = 200 * catalog.counts.triangles;
-  needs.output_bytes = 25 * catalog.counts.triangles;
-  return needs;
+BuildEstimate estimate(const BuildOptions& options, const Catalog& catalog, const Occupancy& occupancy,
+                       std::uint64_t resident_bytes) {
+  return Estimator(options, catalog, occupancy).run(resident_bytes);
 }
 
 void announce_estimate(const Workspace& workspace, const Catalog& catalog) {
+  const Occupancy occupancy = count_occupancy(workspace, catalog);
   const std::uint64_t resident = greatest_peak_memory(workspace.ranks);
   workspace.ranks.attempt([&] {
     if (!workspace.ranks.is_root()) return;
     const std::filesystem::path& scratch = workspace.scratch.folder;
     const std::filesystem::path output = folder_of(workspace.options.output);
-    BuildEstimate needs = estimate(workspace.options, catalog, resident);
+    BuildEstimate needs = estimate(workspace.options, catalog, occupancy, resident);
     needs.free_scratch_bytes = free_bytes(scratch);
     needs.free_output_bytes = free_bytes(output);
     workspace.reporter.set_estimate(needs);
@@ -51,6 +180,7 @@ void announce_estimate(const Workspace& workspace, const Catalog& catalog) {
               size_text(needs.memory_bytes_per_rank), size_text(needs.scratch_bytes),
               size_text(needs.free_scratch_bytes), size_text(needs.output_bytes),
               size_text(needs.free_output_bytes));
+    require(workspace, needs, scratch, output);
   });
 }
 

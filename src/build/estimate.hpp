@@ -2,17 +2,19 @@
 #pragma once
 
 #include "build/catalog.hpp"
+#include "build/occupancy.hpp"
 #include "build/workspace.hpp"
 
 namespace colossus::build {
 
 // From the counts of the survey: meant to lie between 1.0 and 1.5 times what is used then. How the needs grow
-// with counts, attributes, scheme and bits was measured, see src/README.md. `resident_bytes`: of the rank
-// that has the largest resident set after the survey. Not collective.
-BuildEstimate estimate(const BuildOptions& options, const Catalog& catalog, std::uint64_t resident_bytes);
+// was measured, see src/README.md. `resident_bytes`: of the rank that has the largest resident set after the
+// survey. Not collective.
+BuildEstimate estimate(const BuildOptions& options, const Catalog& catalog, const Occupancy& occupancy,
+                       std::uint64_t resident_bytes);
 
 // Logs the estimate and passes it to the reporter. Throws Error(kNoResources) that tells what is needed and
-// what there is when it cannot fit, unless it is a dry run, which warns. Collective.
+// what there is when it cannot fit. Collective.
 void announce_estimate(const Workspace& workspace, const Catalog& catalog);
 
 }  // namespace colossus::build

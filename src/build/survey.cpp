@@ -43,10 +43,14 @@ struct SurveyTask {
   }
 };
 
+// Triangles in an order that keeps neighbours together rarely leap farther.
+constexpr std::uint32_t kNearVertices = 1 << 16;
+
 struct PartCounts {
   geometry::Bounds bounds;
   std::uint64_t polygons = 0;
   std::uint64_t small_faces = 0;
+  std::uint64_t far_triangles = 0;
   std::uint32_t is_uniform = 1;  // 0: faces are not all triangles, the file must be read sequentially
 };
 
@@ -80,6 +84,10 @@ class ScratchSink : public input::BlockSink {
                                           core::as_bytes(block.triangles));
     triangle_blocks.push_back(ref);
     workspace_.reporter.add_triangles(ref.count);
+    for (const mesh::Triangle& t : block.triangles) {
+      counts.far_triangles += std::max(t[0], last_) - std::min(t[0], last_) > kNearVertices ? 1 : 0;
+      last_ = t[0];
+    }
   }
 
   void odd_faces(const input::OddFaces& odd) override {
@@ -94,6 +102,7 @@ class ScratchSink : public input::BlockSink {
  private:
   const Workspace& workspace_;
   std::uint32_t file_;
+  std::uint32_t last_ = 0;  // first vertex of the triangle before
 };
 
 Bytes hash_of_file(const std::filesystem::path& path) {
@@ -195,6 +204,7 @@ class Survey {
     }
     catalog_.counts.polygons += part.polygons;
     catalog_.counts.small_faces += part.small_faces;
+    catalog_.far_triangles += part.far_triangles;
     if (part.is_uniform == 0) is_irregular_[file] = true;
     const auto vertex_blocks = reader.get_array<VertexBlockRef>(reader.get<std::size_t>());
     catalog_.vertex_blocks.insert(catalog_.vertex_blocks.end(), vertex_blocks.begin(), vertex_blocks.end());
