@@ -98,7 +98,7 @@ class Builder:
         self.runs = []
         os.makedirs(os.path.dirname(self.output))
 
-    def start(self, *options, ranks=0, fault=None, inputs=None):
+    def start(self, *options, ranks=0, fault=None, inputs=None, preexec=None):
         run_folder = os.path.join(self.folder, f"run_{len(self.runs)}")
         os.makedirs(run_folder)
         for name in "state", "trace":
@@ -114,8 +114,10 @@ class Builder:
         command = [*launcher, "env", f"LD_PRELOAD={SHIM}", program.PROGRAM, "build", *(inputs or self.inputs),
                    "-o", self.output, *self.options, *map(str, options)]
         # Ranks may outlive mpirun, and would hold pipes open.
-        with open(os.path.join(run_folder, "stdout"), "wb") as out, open(os.path.join(run_folder, "stderr"), "wb") as err:
-            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env=environment)
+        with open(os.path.join(run_folder, "stdout"), "wb") as out, \
+             open(os.path.join(run_folder, "stderr"), "wb") as err:
+            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, env=environment,
+                                       preexec_fn=preexec)
         self.runs.append(Run(process, run_folder))
         return self.runs[-1]
 

@@ -1,5 +1,5 @@
-"""Builds that are asked to stop, by a signal to a rank or by a time limit, in every phase; builds whose scratch or input
-is not what it was; and builds that another one has overtaken."""
+"""Builds that are asked to stop, by a signal to a rank or by a time limit, in every phase; builds whose scratch or input is
+not what it was; and builds that another one has overtaken."""
 import os
 import shutil
 import signal
@@ -22,6 +22,10 @@ def wait_until(condition):
         if time.monotonic() > end:
             raise AssertionError("a state that was sure to come did not")
         time.sleep(0.005)
+
+
+def ignore_hangup():
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
 
 
 def state_of(pid):
@@ -50,8 +54,9 @@ class Stop(faults.FaultTest):
         for number, event in enumerate(phases):
             ranks = self.random.choice([0, 2, 3, 4])
             sent = self.random.choice(SIGNALS)
-            fault = Fault(event, self.random.randint(1, max(1, events[event] // 2)), self.random.choice(["before", "after"]),
-                          str(-sent), self.random.choice(["self", "ranks", str(self.random.randrange(4))]))
+            n, when = self.random.randint(1, max(1, events[event] // 2)), self.random.choice(["before", "after"])
+            target = self.random.choice(["self", "ranks", str(self.random.randrange(4))])
+            fault = Fault(event, n, when, str(-sent), target)
             line = self.check_stop(builder, fault, f"{event} on {ranks} ranks: {fault}", ranks)
             self.assertRegex(line, f"stopped by {sent.name} to rank [0-3]")
             if number % 4 == 3:
@@ -234,8 +239,8 @@ class Stale(faults.FaultTest):
                     self.assertEqual(os.listdir(os.path.dirname(builder.output)), [])
 
     def test_a_build_that_was_overtaken_spoils_nothing(self):
-        """One that hangs, as on a file system, anywhere; the next attempt takes over; then the first one goes on: before
-        the next one has finished, or after."""
+        """One that hangs, as on a file system, anywhere; the next attempt takes over; then the first one goes on: while
+        the next one is at work, or after it has finished."""
         for scheme, options in SCHEMES.items():
             builder = self.builder(scheme, [self.statue(20000)], options)
             events = faults.moments_of(self.make_reference(builder))
@@ -243,6 +248,32 @@ class Stale(faults.FaultTest):
                 fault = Fault(event, self.random.randint(1, count), self.random.choice(["before", "half", "after"]),
                               str(-signal.SIGSTOP))
                 self.check_overtaken(builder, fault, f"{scheme}: {fault}", list(events)[len(events) // 2])
+                builder.clear()
+
+    def test_ranks_that_outlive_mpirun_spoil_nothing(self):
+        """mpirun is killed while all its ranks are stopped; they wake up while the next attempt is at work."""
+        for scheme, options in SCHEMES.items():
+            builder = self.builder(scheme, [self.statue(20000)], options)
+            events = faults.moments_of(self.make_reference(builder))
+            for event in self.random.sample([event for event in events if event != "rmdir"], 6):
+                fault = Fault(event, self.random.randint(1, events[event]), self.random.choice(["before", "half", "after"]),
+                              str(-signal.SIGSTOP), "ranks")
+                what = f"{scheme}: {fault}"
+                # The kernel would end ranks that are stopped and have lost their parent, but for this.
+                first = builder.start(ranks=3, fault=fault, preexec=ignore_hangup)
+                wait_until(lambda first=first: len(first.pids) == 3 and all(state_of(pid) == "T" for pid in first.pids))
+                first.process.kill()
+                first.wait()
+                second = builder.start("--resume", fault=Fault("rename", 1, "before", str(-signal.SIGSTOP)))
+                wait_until(lambda second=second: state_of(second.process.pid) == "T")
+                for pid in first.pids:
+                    if faults.is_alive(pid):
+                        os.kill(pid, signal.SIGCONT)
+                wait_until(lambda first=first: not any(map(faults.is_alive, first.pids)))
+                self.assert_right_or_nothing(builder, what)
+                second.process.send_signal(signal.SIGCONT)
+                self.assertEqual(second.wait().status, program.OK, f"{what}: {second}")
+                self.assertTrue(self.is_right(builder), what)
                 builder.clear()
 
     def check_overtaken(self, builder, fault, what, middle):
