@@ -34,6 +34,9 @@ struct BuildOptions {
   std::optional<int> levels;      // the deepest level, instead of the one that leaf_triangles gives
   std::optional<int> block_size;  // cubes along a block
   double color_weight = 0.0;      // of colours in the error of a collapse, see simplify::Region
+  // False: the borders of all levels lie on top of each other. For tests/bench/clefts, which shows what
+  // shifting is for; no option of the program, and not known to readers.
+  bool has_shifted_blocks = true;
 };
 
 // Inner nodes keep at least this many triangles per non-empty tetrahedron: strict halving would let nodes

@@ -12,8 +12,12 @@ namespace {
 // Rounded towards minus infinity; b is positive.
 std::int64_t floor_divide(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 
-std::int32_t block_index(std::int32_t cube_index, int n) {
-  return static_cast<std::int32_t>(floor_divide(std::int64_t{cube_index} + n / 2, n));
+BlockId block_of(const CubeId& cube, int n, int shift) {
+  COLOSSUS_CHECK(n >= kLeastBlockSize && n <= kGreatestBlockSize && n % 4 == 0, "blocks of {} cubes", n);
+  const auto along = [&](std::int32_t index) {
+    return static_cast<std::int32_t>(floor_divide(std::int64_t{index} + shift, n));
+  };
+  return {cube.level, along(cube.x), along(cube.y), along(cube.z)};
 }
 
 bool touches_along_axis(std::int32_t block_index, int n, std::int32_t cube_index) {
@@ -60,10 +64,9 @@ CubeId cube_of_barycenter(const geometry::Point& p, const geometry::Point& q, co
   return {level, index[0], index[1], index[2]};
 }
 
-BlockId block_of(const CubeId& cube, int n) {
-  COLOSSUS_CHECK(n >= kLeastBlockSize && n <= kGreatestBlockSize && n % 4 == 0, "blocks of {} cubes", n);
-  return {cube.level, block_index(cube.x, n), block_index(cube.y, n), block_index(cube.z, n)};
-}
+BlockId block_of(const CubeId& cube, int n) { return block_of(cube, n, n / 2); }
+
+BlockId unshifted_block_of(const CubeId& cube, int n) { return block_of(cube, n, 0); }
 
 bool touches(const BlockId& block, int n, const CubeId& cube) {
   return block.level == cube.level && touches_along_axis(block.x, n, cube.x) &&

@@ -59,6 +59,10 @@ struct BlockId {
 // The block of size n that holds a cube. Level 0 has the one block (0, 0, 0).
 BlockId block_of(const CubeId& cube, int n);
 
+// The same of blocks that are not shifted: block b holds the cubes from n * b to n * b + n - 1, and the
+// borders of every level are also borders of all finer ones. For comparison only.
+BlockId unshifted_block_of(const CubeId& cube, int n);
+
 // Whether the cube is one of the block's, or touches one of them from outside.
 bool touches(const BlockId& block, int n, const CubeId& cube);
 

@@ -47,7 +47,7 @@ std::string to_text(const VerifyReport& report) {
     text +=
         "locked, earlier: density of triangles near borders of blocks that were locked while this, or a "
         "finer, "
-        "level was made, over that of the rest\n";
+        "level was made, over that of the rest of their cubes\n";
   text += fmt::format("checked: {} nodes", report.nodes);
   if (report.faces > 0)
     text += fmt::format(", {} faces of the hierarchy ({} crossed by the surface), {} edges of it",

@@ -44,8 +44,8 @@ struct VerifyOptions {
   std::size_t examples_per_kind = 5;  // messages kept of each kind; all are counted
 };
 
-// Triangles per area near the borders of blocks, over the same of the rest of the level. None where a zone is
-// empty.
+// Triangles per area near the borders of blocks, over the same of the rest of their cubes. None where a zone
+// is empty.
 struct CleftDensities {
   std::optional<double> locked;   // near borders that were locked while this level was made
   std::optional<double> earlier;  // near those that were locked while a finer level was made

@@ -39,6 +39,9 @@ struct Region {
   // With half-edge collapses only: how many mean edge lengths of the region the greatest difference of a
   // colour channel counts in the error of a collapse. Alpha does not count.
   double color_weight = 0.0;
+  // With half-edge collapses only, per cell: the region that its triangles will be in when they are
+  // simplified next. Vertices between two of these will then be locked. Empty: not known.
+  std::vector<std::uint16_t> next_regions;
 };
 
 // Triangles by their smallest angle; integer counts, so that sums over nodes do not depend on their order.

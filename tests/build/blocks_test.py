@@ -15,8 +15,17 @@ EYES = int(os.environ.get("COLOSSUS_EYES", "16"))
 class Blocks(program.ColossusTest):
     def blocks(self, scan, *options):
         container = self.build("blocks.h5", scan, options=("--scheme", "blocks", *options))
-        self.run_program("verify", container)
+        self.assert_no_clefts(self.run_program("verify", container).stdout)
         return container
+
+    def assert_no_clefts(self, report):
+        """Density of triangles near borders of blocks, over the rest, of levels with enough triangles to tell."""
+        for line in report.splitlines():
+            level = re.fullmatch(r" *\d+ +\d+ +(\d+) +\d+ +\d+ +(\S+) +(\S+)", line)
+            if level and int(level[1]) >= 5000:
+                locked, earlier = (0.0 if cell == "-" else float(cell) for cell in level.groups()[1:])
+                self.assertLess(locked, 1.8, report)
+                self.assertLess(earlier, 1.15, report)
 
     def eyes(self, points, edge, seed):
         """Half of them inside the bounds or within an edge length of the surface, half around."""

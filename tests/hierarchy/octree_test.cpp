@@ -216,6 +216,20 @@ TEST(Octree, BlockBordersAreInteriorAtTheNextCoarserLevel) {
         }
 }
 
+TEST(Octree, BordersOfUnshiftedBlocksAreBordersOfFinerOnes) {
+  for (const int n : {4, 8, 12})
+    for (int level = 0; level <= 6; ++level)
+      for (int x = 0; x < 1 << level; ++x) {
+        EXPECT_EQ(unshifted_block_of({level, 0, x, 0}, n), (BlockId{level, 0, x / n, 0}));
+        if (level == 0 || x == 0) continue;
+        const CubeId cube{level, x, 0, 0}, below{level, x - 1, 0, 0};
+        if (unshifted_block_of(cube.parent(), n) != unshifted_block_of(below.parent(), n)) {
+          EXPECT_NE(unshifted_block_of(cube, n), unshifted_block_of(below, n))
+              << n << ' ' << level << ' ' << x;
+        }
+      }
+}
+
 TEST(Octree, TouchesMeansAChebyshevDistanceOfAtMostOne) {
   std::uint64_t seed = 3000;
   for (const int n : {4, 8}) {

@@ -302,17 +302,21 @@ TEST(BlocksVerify, MeasuresTheErrorsAgainstTheInput) {
   EXPECT_GT(verified(fixture, options).count(FindingKind::kDistance), fixture.nodes.size() / 3);
 }
 
-// Where one small triangle is counted; the lattice has 13 bits, blocks are 4 cubes.
-CleftCounts::Zone zone_at(const CubeStatue& statue, int level, std::int32_t x, std::int32_t y,
-                          std::int32_t z) {
+// Where one small triangle is counted, among 20 in the interior; the lattice has 13 bits, blocks are 4 cubes.
+std::optional<CleftCounts::Zone> zone_at(const CubeStatue& statue, int level, std::int32_t x, std::int32_t y,
+                                         std::int32_t z, bool has_shifted_blocks = true) {
   codec::CubeMesh mesh;
-  mesh.positions = {{x - 1, y - 1, z}, {x + 1, y, z - 1}, {x, y + 1, z + 1}};
-  mesh.triangles = {{0, 1, 2}};
-  const CleftCounts counts = count_clefts(statue, level, mesh, 10.0);
+  mesh.positions = {{x - 1, y - 1, z}, {x + 1, y, z - 1}, {x, y + 1, z + 1},
+                    {999, 999, 1000},  {1001, 1000, 999}, {1000, 1001, 1001}};
+  mesh.triangles.assign(20, {3, 4, 5});
+  mesh.triangles.push_back({0, 1, 2});
+  const CleftCounts counts = count_clefts(statue, level, mesh, 10.0, has_shifted_blocks);
   for (const auto zone : {CleftCounts::kLocked, CleftCounts::kEarlier})
-    if (counts.triangles[zone] == 1) return zone;
-  EXPECT_EQ(counts.triangles[CleftCounts::kInterior], 1U);
-  return CleftCounts::kInterior;
+    if (counts.triangles[zone] == 1) {
+      EXPECT_NEAR(counts.expected[zone], 1.0, 1e-9);
+      return zone;
+    }
+  return std::nullopt;
 }
 
 TEST(BlocksVerify, CleftsAreWhereBlocksHaveBorders) {
@@ -327,29 +331,47 @@ TEST(BlocksVerify, CleftsAreWhereBlocksHaveBorders) {
     EXPECT_EQ(zone(1, 1000, 1000, c), CleftCounts::kEarlier) << c;
   }
   for (const std::int32_t c : {1, 1024, 2037, 2059, 4096, 8191}) {
-    EXPECT_EQ(zone(2, 1000, 1000, c), CleftCounts::kInterior) << c;
+    EXPECT_EQ(zone(2, 1000, 1000, c), std::nullopt) << c;
   }
   EXPECT_EQ(zone(1, 4096, 1000, 1000), CleftCounts::kLocked);
   EXPECT_EQ(zone(1, 4096, 2048, 1000), CleftCounts::kLocked);
-  EXPECT_EQ(zone(1, 1000, 1000, 1000), CleftCounts::kInterior);
+  EXPECT_EQ(zone(1, 1000, 1000, 1000), std::nullopt);
   // The one block of level 1 has its borders around the root.
   EXPECT_EQ(zone(0, 4096, 1000, 1000), CleftCounts::kEarlier);
-  EXPECT_EQ(zone(0, 8190, 1000, 1000), CleftCounts::kInterior);
-  EXPECT_EQ(zone(3, 2048, 4096, 2048), CleftCounts::kInterior);
+  EXPECT_EQ(zone(0, 8190, 1000, 1000), std::nullopt);
+  EXPECT_EQ(zone(3, 2048, 4096, 2048), std::nullopt);
+  // Not shifted, level 3 has borders at 4096, level 4, if there were one, at 2048 too.
+  EXPECT_EQ(zone_at(*statue, 2, 4096, 1000, 1000, false), CleftCounts::kLocked);
+  EXPECT_EQ(zone_at(*statue, 2, 2048, 6144, 1000, false), std::nullopt);
+  EXPECT_EQ(zone_at(*statue, 1, 4096, 1000, 1000, false), CleftCounts::kEarlier);
 }
 
-TEST(BlocksVerify, CleftDensitiesAreTrianglesPerArea) {
-  CleftCounts counts;
-  counts.triangles = {30, 0, 100};
-  counts.areas = {10.0, 0.0, 50.0};
-  EXPECT_EQ(counts.densities().locked, 1.5);
+TEST(BlocksVerify, CleftDensitiesAreComparedWithTheRestOfTheCube) {
+  BlocksFixture fixture(torus(128, 40));
+  const auto statue = fixture.open();
+  // Of one plane: squares of side 4 between the borders, four triangles in one square on a border.
+  codec::CubeMesh mesh;
+  const auto add_square = [&](std::int32_t x, std::int32_t y) {
+    const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const auto& [dx, dy] : {std::array{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}})
+      mesh.positions.push_back({x + dx, y + dy, 1000});
+    return base;
+  };
+  for (std::int32_t i = 0; i < 10; ++i) {
+    const std::uint32_t v = add_square(1000 + 4 * i, 1000);
+    mesh.triangles.insert(mesh.triangles.end(), {{v, v + 1, v + 2}, {v, v + 2, v + 3}});
+  }
+  const std::uint32_t v = add_square(2048, 1000);
+  for (std::uint32_t k = 0; k < 4; ++k) mesh.triangles.push_back({v + k, v + (k + 1) % 4, v + 4});
+  CleftCounts counts = count_clefts(*statue, 2, mesh, 10.0);
+  EXPECT_EQ(counts.triangles[CleftCounts::kLocked], 4U);
+  EXPECT_DOUBLE_EQ(counts.expected[CleftCounts::kLocked], 2.0);
+  EXPECT_DOUBLE_EQ(counts.densities().locked.value(), 2.0);
   EXPECT_EQ(counts.densities().earlier, std::nullopt);
-  CleftCounts more = counts;
-  more.triangles[CleftCounts::kEarlier] = 6;
-  more.areas[CleftCounts::kEarlier] = 3.0;
-  counts.add(more);
-  EXPECT_EQ(counts.densities().locked, 1.5);
-  EXPECT_EQ(counts.densities().earlier, 1.0);
+  // Without an interior to speak of, a cube says nothing.
+  mesh.triangles.erase(mesh.triangles.begin());
+  counts.add(count_clefts(*statue, 2, mesh, 10.0));
+  EXPECT_EQ(counts.triangles[CleftCounts::kLocked], 4U);
   EXPECT_EQ(CleftCounts{}.densities().locked, std::nullopt);
 }
 

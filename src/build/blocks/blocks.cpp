@@ -51,11 +51,12 @@ Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
   settings.color_weight = workspace.options.color_weight;
   settings.rounding_error =
       catalog.lattice.input_error() + std::sqrt(3.0) / 2.0 * grid.spacing() * catalog.lattice.step;
-  const int block_size = workspace.options.block_size.value_or(kDefaultBlockSize);
-  Hierarchy hierarchy = build_block_levels(workspace, settings, block_size, std::move(partition));
+  settings.block_size = workspace.options.block_size.value_or(kDefaultBlockSize);
+  settings.has_shifted_blocks = workspace.options.has_shifted_blocks;
+  Hierarchy hierarchy = build_block_levels(workspace, settings, std::move(partition));
   hierarchy.lattice = {catalog.lattice.origin, catalog.lattice.step * grid.spacing(), grid.root_bits()};
   hierarchy.position_bits = grid.position_bits;
-  hierarchy.options = {{"block_size", fmt::format("{}", block_size)},
+  hierarchy.options = {{"block_size", fmt::format("{}", settings.block_size)},
                        {"levels", fmt::format("{}", grid.levels)}};
   if (settings.color_weight > 0.0)
     hierarchy.options.push_back({"color_weight", fmt::format("{}", settings.color_weight)});

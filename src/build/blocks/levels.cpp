@@ -17,9 +17,8 @@ using hierarchy::CubeId;
 
 class BlockLevelBuilder {
  public:
-  BlockLevelBuilder(const Workspace& workspace, const BlockSettings& settings, int block_size,
-                    CubePartition&& partition)
-      : workspace_(workspace), settings_(settings), block_size_(block_size) {
+  BlockLevelBuilder(const Workspace& workspace, const BlockSettings& settings, CubePartition&& partition)
+      : workspace_(workspace), settings_(settings) {
     for (const CubeRecord& cube : partition.cubes)
       cubes_.push_back({cube, settings.input_error(cube.displacement)});
     partition.cubes = {};
@@ -31,7 +30,7 @@ class BlockLevelBuilder {
     hierarchy_.sort();
     double sigma = sigma_;
     broadcast_value(workspace_.ranks, sigma);
-    hierarchy_.parameters = {{"block_size", static_cast<double>(block_size_)}, {"sigma0", sigma}};
+    hierarchy_.parameters = {{"block_size", static_cast<double>(settings_.block_size)}, {"sigma0", sigma}};
     return std::move(hierarchy_);
   }
 
@@ -51,7 +50,7 @@ class BlockLevelBuilder {
   std::vector<PlannedTask> plan_tasks() const {
     std::map<BlockId, PlannedTask> by_block;
     for (std::uint32_t i = 0; i < cubes_.size(); ++i) {
-      const BlockId block = hierarchy::block_of(cubes_[i].record.id, block_size_);
+      const BlockId block = settings_.block_of(cubes_[i].record.id);
       PlannedTask& task = by_block[block];
       task.block = block;
       task.cubes.push_back(i);
@@ -87,8 +86,7 @@ class BlockLevelBuilder {
           for (int dx = -1; dx <= 1; ++dx) {
             const CubeId& id = cube.record.id;
             const CubeId other{id.level, id.x + dx, id.y + dy, id.z + dz};
-            if (other.is_inside_root() && hierarchy::block_of(other, block_size_) != task.block)
-              around.push_back(other);
+            if (other.is_inside_root() && settings_.block_of(other) != task.block) around.push_back(other);
           }
     std::sort(around.begin(), around.end());
     around.erase(std::unique(around.begin(), around.end()), around.end());
@@ -132,7 +130,6 @@ class BlockLevelBuilder {
 
   const Workspace& workspace_;
   const BlockSettings& settings_;
-  int block_size_;
   std::vector<BlockCube> cubes_;  // of the level at hand; on rank 0
   double sigma_ = 0.0;
   Hierarchy hierarchy_;
@@ -140,9 +137,9 @@ class BlockLevelBuilder {
 
 }  // namespace
 
-Hierarchy build_block_levels(const Workspace& workspace, const BlockSettings& settings, int block_size,
+Hierarchy build_block_levels(const Workspace& workspace, const BlockSettings& settings,
                              CubePartition&& partition) {
-  return BlockLevelBuilder(workspace, settings, block_size, std::move(partition)).run();
+  return BlockLevelBuilder(workspace, settings, std::move(partition)).run();
 }
 
 }  // namespace colossus::build

@@ -7,7 +7,7 @@ namespace colossus::build {
 
 // Collective. Within a level blocks are independent tasks. Sets the hierarchy's nodes, levels, and the
 // parameters sigma0 and block_size.
-Hierarchy build_block_levels(const Workspace& workspace, const BlockSettings& settings, int block_size,
+Hierarchy build_block_levels(const Workspace& workspace, const BlockSettings& settings,
                              CubePartition&& partition);
 
 }  // namespace colossus::build

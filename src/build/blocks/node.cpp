@@ -46,6 +46,7 @@ class Block {
     if (level == 0) return encode_all(std::move(result_));
     weld();
     lock_border();
+    find_next_regions();
     simplify(level);
     split();
     return encode_all(std::move(result_));
@@ -99,6 +100,17 @@ class Block {
     region_.outer_faces = kShared;
     for (const mesh::Vertex& v : region_.mesh.vertices)
       region_.faces.push_back(shared.contains(v.position) ? kShared : 0);
+  }
+
+  // The parents' blocks.
+  void find_next_regions() {
+    std::vector<hierarchy::BlockId> blocks;
+    for (const CubeId& parent : parents_) {
+      const hierarchy::BlockId block = settings_.block_of(parent);
+      const auto found = std::find(blocks.begin(), blocks.end(), block);
+      region_.next_regions.push_back(static_cast<std::uint16_t>(found - blocks.begin()));
+      if (found == blocks.end()) blocks.push_back(block);
+    }
   }
 
   void simplify(int level) {

@@ -37,11 +37,17 @@ struct BlockSettings {
   geometry::Lattice lattice;
   Grid grid;
   const codec::Codec* codec = nullptr;
+  int block_size = 0;  // cubes along a block
+  bool has_shifted_blocks = true;
   bool has_colors = false;
   double color_weight = 0.0;    // see simplify::Region
   double rounding_error = 0.0;  // world units: by which the lattice and the grid have moved the vertices
   // By which the input has moved where splits have moved it by so much; world units.
   double input_error(double displacement) const { return rounding_error + displacement * lattice.step; }
+  hierarchy::BlockId block_of(const hierarchy::CubeId& cube) const {
+    return has_shifted_blocks ? hierarchy::block_of(cube, block_size)
+                              : hierarchy::unshifted_block_of(cube, block_size);
+  }
 };
 
 // An upper estimate of the memory of build_block() for so many triangles of its cubes.
