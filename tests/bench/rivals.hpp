@@ -1,0 +1,26 @@
+// Public codecs on the meshes of our nodes.
+#pragma once
+
+#include <vector>
+
+#include "codec/coded_node.hpp"
+
+namespace colossus::bench {
+
+struct RivalBytes {
+  core::Bytes indices;  // empty where they cannot be told from the rest
+  core::Bytes rest;
+  std::size_t size() const { return indices.size() + rest.size(); }
+};
+
+struct Rival {
+  const char* name;
+  RivalBytes (*encode)(const codec::CodedNode& node, const codec::CodedPart& part);
+  // Throws Error(kBadData) when it fails.
+  void (*decode)(const codec::CodedNode& node, const codec::CodedPart& part, const RivalBytes& bytes);
+};
+
+// Those that were there when this was compiled.
+const std::vector<Rival>& rivals();
+
+}  // namespace colossus::bench
