@@ -13,23 +13,24 @@ constexpr std::uint32_t kOpacity = 8;
 std::uint32_t luma_context(const VertexLinks& links) { return kLuma + (links.neighbor_count > 2 ? 1U : 0U); }
 std::uint32_t size_class(std::uint32_t luma) { return luma < 6 ? 0U : luma < 18 ? 1U : 2U; }
 
-Channels predict(const std::vector<VertexLinks>& links, const std::vector<mesh::Color>& colors,
-                 std::size_t v) {
-  const VertexLinks& own = links[v];
-  const std::int32_t count = own.neighbor_count;
-  Channels prediction{};
-  if (count == 0) {
-    if (v > 0)
-      for (std::size_t c = 0; c < 4; ++c) prediction[c] = colors[v - 1][c];
-    return prediction;
+// Colours in lanes of 16 bits, so that four channels are added at once.
+using Lanes = std::uint64_t;
+constexpr Lanes kEachLane = 0x0001000100010001;
+
+Lanes to_lanes(const mesh::Color& color) {
+  return Lanes{color[0]} | Lanes{color[1]} << 16 | Lanes{color[2]} << 32 | Lanes{color[3]} << 48;
+}
+
+// The mean of four.
+Channels predict(const VertexLinks& links, const std::vector<Lanes>& colors, std::size_t v) {
+  Lanes mean = v > 0 ? colors[v - 1] : 0;
+  if (links.neighbor_count > 0) {
+    Lanes sum = 2 * kEachLane;
+    for (const std::uint32_t neighbor : links.neighbors) sum += colors[neighbor];
+    mean = sum >> 2 & 255 * kEachLane;
   }
-  for (std::size_t i = 0; i < own.neighbor_count; ++i)
-    for (std::size_t c = 0; c < 4; ++c) prediction[c] += colors[own.neighbors[i]][c];
-  // (2 sum + count) / (2 count), by 65536ths, rounded up: sums are below 2^11.
-  constexpr std::array<std::int32_t, kMostNeighbors + 1> kInverses{0, 32768, 16384, 10923, 8192};
-  const std::int32_t inverse = kInverses[static_cast<std::size_t>(count)];
-  for (auto& channel : prediction) channel = (2 * channel + count) * inverse >> 16;
-  return prediction;
+  return {static_cast<std::int32_t>(mean & 255), static_cast<std::int32_t>(mean >> 16 & 255),
+          static_cast<std::int32_t>(mean >> 32 & 255), static_cast<std::int32_t>(mean >> 48)};
 }
 
 }  // namespace
@@ -37,8 +38,10 @@ Channels predict(const std::vector<VertexLinks>& links, const std::vector<mesh::
 void encode_colors(ValueEncoder& values, const std::vector<VertexLinks>& links, const CodedPart& part) {
   const std::size_t count = part.colors.size();
   std::vector<Channels> residuals(count);
+  std::vector<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
-    Channels d = predict(links, part.colors, v);
+    colors[v] = to_lanes(part.colors[v]);
+    Channels d = predict(links[v], colors, v);
     for (std::size_t c = 0; c < 4; ++c) d[c] = part.colors[v][c] - d[c];
     const std::int32_t orange = d[0] - d[2];
     const std::int32_t middle = d[2] + (orange >> 1);
@@ -63,8 +66,9 @@ void decode_colors(ValueDecoder& values, const std::vector<VertexLinks>& links, 
   values.get_batch(read[1], [&](std::size_t v) { return kOrange + size_class(read[0][v]); });
   values.get_batch(read[2], [&](std::size_t v) { return kGreen + size_class(read[0][v]); });
   values.get_batch(read[3], [](std::size_t) { return kOpacity; });
+  std::vector<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
-    const Channels p = predict(links, part.colors, v);
+    const Channels p = predict(links[v], colors, v);
     const std::int32_t green = to_signed(read[2][v]);
     const std::int32_t middle = wrapped_difference(to_signed(read[0][v]), green >> 1);
     const std::int32_t orange = to_signed(read[1][v]);
@@ -73,6 +77,7 @@ void decode_colors(ValueDecoder& values, const std::vector<VertexLinks>& links, 
                       static_cast<std::uint8_t>(wrapped_sum(p[1], wrapped_sum(middle, green))),
                       static_cast<std::uint8_t>(wrapped_sum(p[2], blue)),
                       static_cast<std::uint8_t>(wrapped_sum(p[3], to_signed(read[3][v])))};
+    colors[v] = to_lanes(part.colors[v]);
   }
 }
 

@@ -1,7 +1,5 @@
 #include "codec/predict/connectivity.hpp"
 
-#include <bit>
-
 #include "core/error.hpp"
 
 namespace colossus::codec::predict {
@@ -74,7 +72,9 @@ class MeshSource {
     halves_.reserve(2 * triangles.size());
   }
 
-  std::optional<std::array<std::uint32_t, 3>> seed(std::uint32_t) {
+  static constexpr bool kNeedsEnds = true;
+
+  std::array<std::uint32_t, 3> seed(std::uint32_t) {
     while (is_done_[next_seed_]) ++next_seed_;
     half_ = 3 * next_seed_;
     is_done_[next_seed_] = true;
@@ -83,18 +83,18 @@ class MeshSource {
     return numbers;
   }
 
-  std::optional<Step> step(const Situation& at) {
+  Step step(const Situation& at, std::uint32_t) {
     const std::uint32_t half = mates_[halves_[at.gate]];
-    if (half == kNone || is_done_[half / 3]) return Step{};
+    if (half == kNone || is_done_[half / 3]) return {};
     is_done_[half / 3] = true;
     half_ = half;
     const std::uint32_t third = triangles_[half / 3][(half + 2) % 3];
-    if (numbers_[third] == kNone) return Step{Symbol::kNew, number_of(third)};
+    if (numbers_[third] == kNone) return {Symbol::kNew, number_of(third)};
     const std::uint32_t number = numbers_[third];
-    if (at.can_be_last && number == at.right) return Step{Symbol::kLast, number};
-    if (at.can_be_right && number == at.right) return Step{Symbol::kRight, number};
-    if (at.can_be_left && number == at.left) return Step{Symbol::kLeft, number};
-    return Step{Symbol::kKnown, number};
+    if (at.can_be_last && number == at.right) return {Symbol::kLast, number};
+    if (at.can_be_right && number == at.right) return {Symbol::kRight, number};
+    if (at.can_be_left && number == at.left) return {Symbol::kLeft, number};
+    return {Symbol::kKnown, number};
   }
 
   void opened(std::uint32_t, GateOrigin origin) {
@@ -132,15 +132,14 @@ class EncodingSource : public MeshSource {
  public:
   EncodingSource(BitEncoder& encoder, SymbolModel& model, const CodedPart& part)
       : MeshSource(part.triangles, part.positions.size()), encoder_(encoder), model_(model) {}
-  std::optional<std::array<std::uint32_t, 3>> seed(std::uint32_t known) {
+  std::array<std::uint32_t, 3> seed(std::uint32_t known) {
     const auto seed = MeshSource::seed(known);
-    model_.put_seed(encoder_, *seed, known);
+    model_.put_seed(encoder_, seed, known);
     return seed;
   }
-  std::optional<Step> step(const Situation& at) {
-    const auto known = static_cast<std::uint32_t>(before().size());
-    const auto step = MeshSource::step(at);
-    model_.put(encoder_, at, *step, known);
+  Step step(const Situation& at, std::uint32_t known) {
+    const Step step = MeshSource::step(at, known);
+    model_.put(encoder_, at, step, known);
     return step;
   }
 
@@ -151,35 +150,19 @@ class EncodingSource : public MeshSource {
 
 class DecodingSource {
  public:
+  static constexpr bool kNeedsEnds = false;
+
   DecodingSource(BitDecoder& decoder, SymbolModel& model) : decoder_(decoder), model_(model) {}
-  std::optional<std::array<std::uint32_t, 3>> seed(std::uint32_t known) {
-    const auto seed = model_.get_seed(decoder_, known);
-    known_ = known;
-    for (const std::uint32_t v : seed) known_ += v == known_ ? 1 : 0;
-    return seed;
-  }
-  std::optional<Step> step(const Situation& at) {
-    const Step step = model_.get(decoder_, at, known_);
-    known_ += step.symbol == Symbol::kNew ? 1 : 0;
-    return step;
-  }
+  std::array<std::uint32_t, 3> seed(std::uint32_t known) { return model_.get_seed(decoder_, known); }
+  Step step(const Situation& at, std::uint32_t known) { return model_.get(decoder_, at, known); }
   void opened(std::uint32_t, GateOrigin) {}
 
  private:
   BitDecoder& decoder_;
   SymbolModel& model_;
-  std::uint32_t known_ = 0;
 };
 
 }  // namespace
-
-SymbolModel::Models& SymbolModel::models(const Situation& at) {
-  const std::uint32_t a = std::min(at.valence_a, kValencesA - 1);
-  const std::uint32_t b = std::min(at.valence_b, kValencesB - 1);
-  const std::uint32_t last = std::min(static_cast<std::uint32_t>(at.before), 3U);
-  const std::uint32_t sides = (at.can_be_left ? 1U : 0U) + (at.can_be_right ? 2U : 0U);
-  return models_[((b * kValencesA + a) * 4 + last) * 4 + sides];
-}
 
 void SymbolModel::put(BitEncoder& encoder, const Situation& at, const Step& step, std::uint32_t known) {
   const Symbol symbol = step.symbol;
@@ -202,16 +185,6 @@ void SymbolModel::put(BitEncoder& encoder, const Situation& at, const Step& step
   if (symbol != Symbol::kBorder) encoder.put_bits(step.vertex, std::bit_width(known));
 }
 
-Step SymbolModel::get(BitDecoder& decoder, const Situation& at, std::uint32_t known) {
-  if (at.can_be_last && decoder.get(is_last_)) return {Symbol::kLast, 0};
-  Models& m = models(at);
-  if (!decoder.get(m.is_new)) return {Symbol::kNew, 0};
-  if (at.can_be_right && !decoder.get(m.is_right)) return {Symbol::kRight, 0};
-  if (at.can_be_left && !decoder.get(m.is_left)) return {Symbol::kLeft, 0};
-  if (!decoder.get(m.is_border)) return {Symbol::kBorder, 0};
-  return {Symbol::kKnown, decoder.get_bits(std::bit_width(known))};
-}
-
 void SymbolModel::put_seed(BitEncoder& encoder, const std::array<std::uint32_t, 3>& seed,
                            std::uint32_t known) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -232,9 +205,8 @@ std::array<std::uint32_t, 3> SymbolModel::get_seed(BitDecoder& decoder, std::uin
 
 void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count) {
   MeshSource source(triangles, vertex_count);
-  Traversal traversal(source, vertex_count, triangles.size());
-  COLOSSUS_CHECK(traversal.run(), "{} triangles", triangles.size());
-  std::vector<mesh::Triangle> ordered = std::move(traversal.triangles());
+  std::vector<mesh::Triangle> ordered(triangles.size());
+  COLOSSUS_CHECK(Traversal(source, vertex_count, std::span(ordered)).run(), "{} triangles", triangles.size());
   for (mesh::Triangle& t : ordered)
     for (auto& v : t) v = source.before()[v];
   triangles = std::move(ordered);
@@ -242,8 +214,9 @@ void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vert
 
 std::vector<VertexLinks> encode_connectivity(BitEncoder& encoder, SymbolModel& model, const CodedPart& part) {
   EncodingSource source(encoder, model, part);
-  Traversal traversal(source, part.positions.size(), part.triangles.size());
-  COLOSSUS_CHECK(traversal.run() && traversal.triangles() == part.triangles,
+  std::vector<mesh::Triangle> triangles(part.triangles.size());
+  Traversal traversal(source, part.positions.size(), std::span(triangles));
+  COLOSSUS_CHECK(traversal.run() && triangles == part.triangles,
                  "triangles are not in the codec's order, or vertices are not in order of first use");
   return traversal.take_links();
 }
@@ -251,9 +224,8 @@ std::vector<VertexLinks> encode_connectivity(BitEncoder& encoder, SymbolModel& m
 std::optional<std::vector<VertexLinks>> decode_connectivity(BitDecoder& decoder, SymbolModel& model,
                                                             CodedPart& part) {
   DecodingSource source(decoder, model);
-  Traversal traversal(source, part.positions.size(), part.triangles.size());
+  Traversal traversal(source, part.positions.size(), std::span(part.triangles));
   if (!traversal.run()) return std::nullopt;
-  part.triangles = std::move(traversal.triangles());
   return traversal.take_links();
 }
 

@@ -72,13 +72,14 @@ Projection project(LongVector n) {
     for (auto& entry : n) entry >>= excess;
   const auto sum = static_cast<std::uint32_t>(std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
   projection.is_folded = n[2] < 0;
+  // 255 * (n / sum + 1) / 2 in fixed point, with one division.
+  constexpr int kPoint = 30;
+  const std::uint64_t scale = (std::uint64_t{255} << (kPoint - 1)) / sum;
   for (std::size_t k = 0; k < 2; ++k) {
-    // Of 255 * (n / sum + 1) / 2.
-    const std::uint64_t numerator = 255 * static_cast<std::uint64_t>(n[k] + sum);
-    const std::uint64_t denominator = 2 * std::uint64_t{sum};
-    const std::uint64_t cell = (numerator + sum) / denominator;
+    const std::uint64_t value = static_cast<std::uint64_t>(n[k] + sum) * scale;
+    const std::uint64_t cell = (value + (std::uint64_t{1} << (kPoint - 1))) >> kPoint;
     projection.cell[k] = static_cast<std::int32_t>(cell);
-    projection.is_below[k] = numerator < cell * denominator;
+    projection.is_below[k] = value < cell << kPoint;
   }
   return projection;
 }
@@ -119,8 +120,8 @@ class Predictor {
     if (!expects_misses_ || links.neighbor_count == 0) return expected;
     for (std::size_t k = 0; k < 2; ++k) {
       std::int32_t sum = 0;
-      for (std::size_t i = 0; i < links.neighbor_count; ++i) sum += misses_[links.neighbors[i]][k];
-      expected[k] = sum / (2 * links.neighbor_count);
+      for (const std::uint32_t neighbor : links.neighbors) sum += misses_[neighbor][k];
+      expected[k] = sum / (2 * static_cast<std::int32_t>(kMostNeighbors));
     }
     return expected;
   }

@@ -106,9 +106,16 @@ class Predictor {
     const Vector& p = points_[links.relations[0].first];
     const Vector& q = points_[links.relations[0].second];
     const Vector& r = points_[links.relations[0].opposite];
-    for (std::size_t i = 0; i < 3; ++i)
-      prediction.point[i] = wrapped_difference(wrapped_sum(p[i], q[i]), r[i]);
-    if (links.relation_count > 1) average(links, prediction.point);
+    // The first counts twice.
+    std::array<std::int64_t, 3> sum{};
+    for (std::size_t i = 0; i < 3; ++i) sum[i] = 2 + 2 * (std::int64_t{p[i]} + q[i] - r[i]);
+    for (std::size_t k = 1; k < kMostRelations; ++k) {
+      const Relation& relation = links.relations[k];
+      for (std::size_t i = 0; i < 3; ++i)
+        sum[i] += std::int64_t{points_[relation.first][i]} + points_[relation.second][i] -
+                  points_[relation.opposite][i];
+    }
+    for (std::size_t i = 0; i < 3; ++i) prediction.point[i] = static_cast<std::int32_t>(sum[i] >> 2);
     prediction.normal = normal_of(p, q, r);
     for (std::size_t i = 1; i < 3; ++i)
       if (std::abs(prediction.normal[i]) > std::abs(prediction.normal[prediction.steepest]))
@@ -132,19 +139,6 @@ class Predictor {
   FacePrediction predict_on_face(const Prediction& prediction, std::uint32_t face) const;
 
  private:
-  void average(const VertexLinks& links, Vector& point) const {
-    const std::size_t count = links.relation_count;
-    for (std::size_t i = 0; i < 3; ++i) {
-      std::int64_t sum = point[i];
-      for (std::size_t k = 1; k < count; ++k) {
-        const Relation& relation = links.relations[k];
-        sum += std::int64_t{points_[relation.first][i]} + points_[relation.second][i] -
-               points_[relation.opposite][i];
-      }
-      point[i] = static_cast<std::int32_t>(count == 2 ? (sum + 1) >> 1 : rounded_quotient(sum, 3));
-    }
-  }
-
   LongVector normal_of(const Vector& p, const Vector& q, const Vector& r) const {
     LongVector a{};
     LongVector b{};

@@ -10,9 +10,10 @@
 // and what a gate does not lead to gets a seed of its own.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "mesh/mesh.hpp"
@@ -40,28 +41,42 @@ struct Relation {
 inline constexpr std::size_t kMostRelations = 3;
 inline constexpr std::size_t kMostNeighbors = 4;
 
-// All numbers are less than the vertex's own.
+// All numbers are less than the vertex's own. Where there is at least one relation or neighbour, the places
+// of those that are missing hold copies of others, so that a mean needs no branch: one relation stands three
+// times, the second of two twice; of neighbours a come a a a a, of a, b come a b a b, of a, b, c come a b c b.
 struct VertexLinks {
   std::array<Relation, kMostRelations> relations;
   std::array<std::uint32_t, kMostNeighbors> neighbors;
   std::uint8_t relation_count = 0;
   std::uint8_t neighbor_count = 0;
   bool is_border = false;
+
+  void add(const Relation& relation) {
+    if (relation_count == kMostRelations) return;
+    for (std::size_t k = relation_count++; k < kMostRelations; ++k) relations[k] = relation;
+  }
+  void add(std::uint32_t neighbor) {
+    if (neighbor_count == kMostNeighbors) return;
+    if (neighbor_count == 0) neighbors.fill(neighbor);
+    if (neighbor_count == 1) neighbors[3] = neighbor;
+    neighbors[neighbor_count++] = neighbor;
+  }
 };
+
+// Triangles at a vertex so far, as far as they are counted.
+inline constexpr std::uint8_t kMostValence = 9;
 
 // What is known when a gate is served; the gate runs from a to b.
 struct Situation {
   std::uint32_t gate = 0;
-  std::uint32_t a = 0;
-  std::uint32_t b = 0;
   std::uint32_t left = 0;    // where the gate before begins
   std::uint32_t right = 0;   // where the next gate ends
   bool can_be_left = false;  // the gate before is not on a border
   bool can_be_right = false;
   bool can_be_last = false;
-  std::uint32_t valence_a = 0;  // triangles so far
-  std::uint32_t valence_b = 0;
-  Symbol before = Symbol::kBorder;  // the latest symbol but for borders
+  std::uint8_t valence_a = 0;
+  std::uint8_t valence_b = 0;
+  Symbol latest = Symbol::kNew;  // but for borders
 };
 
 struct Step {
@@ -73,42 +88,35 @@ struct Step {
 enum class GateOrigin : std::uint8_t { kSeed0, kSeed1, kSeed2, kSecondToThird, kThirdToFirst };
 
 // The machine; Source is a mesh to be encoded or a stream of symbols. It has
-//   std::optional<std::array<std::uint32_t, 3>> seed(std::uint32_t known): the next seed's vertices, new ones
-//     numbered from `known` on by first use; none ends the run,
-//   std::optional<Step> step(const Situation&): likewise,
-//   void opened(std::uint32_t gate, GateOrigin): for each new gate, in ascending order; of the latest
-//   triangle.
+//   std::array<std::uint32_t, 3> seed(std::uint32_t known): the next seed's vertices, new ones numbered from
+//     `known` on by first use,
+//   Step step(const Situation&, std::uint32_t known),
+//   void opened(std::uint32_t gate, GateOrigin): for each new gate, in ascending order; of the latest triangle.
 template <typename Source>
 class Traversal {
  public:
-  Traversal(Source& source, std::size_t vertex_count, std::size_t triangle_count)
-      : source_(source), vertex_count_(vertex_count), triangle_count_(triangle_count) {
-    links_.resize(vertex_count);
-    gate_from_.assign(vertex_count, kNone);
-    valence_.resize(vertex_count);
-    triangles_.reserve(triangle_count);
-    gates_.reserve(triangle_count + triangle_count / 2);
+  // As many triangles as there is room for, written as they come.
+  Traversal(Source& source, std::size_t vertex_count, std::span<mesh::Triangle> triangles)
+      : source_(source), triangles_(triangles), links_(vertex_count), vertices_(vertex_count) {
+    gates_.reserve(2 * triangles.size());
   }
 
-  // Whether the source had all the triangles.
+  // Whether the source made sense.
   bool run() {
-    while (triangles_.size() < triangle_count_) {
+    while (triangle_count_ < triangles_.size()) {
       if (served_ == gates_.size()) {
         if (!begin()) return false;
-      } else if (gates_[served_].state == State::kOpen) {
-        if (!serve(served_)) return false;
-        ++served_;
       } else {
+        if (gates_[served_].state == State::kOpen && !serve(served_)) return false;
         ++served_;
       }
     }
     for (; served_ < gates_.size(); ++served_)
-      if (gates_[served_].state == State::kOpen) mark_border(gates_[served_]);
+      if (gates_[served_].state == State::kOpen) mark_border(served_);
     return true;
   }
 
   std::vector<VertexLinks> take_links() { return std::move(links_); }
-  std::vector<mesh::Triangle>& triangles() { return triangles_; }
 
  private:
   enum class State : std::uint8_t { kOpen, kBorder, kDone };
@@ -119,11 +127,15 @@ class Traversal {
     std::uint32_t before;
     State state;
   };
+  struct Vertex {
+    std::uint32_t gate = kNone;  // the latest from here
+    std::uint8_t valence = 0;
+  };
 
   std::uint32_t open(std::uint32_t from, std::uint32_t opposite, GateOrigin origin) {
     const auto gate = static_cast<std::uint32_t>(gates_.size());
     gates_.push_back({from, opposite, gate, gate, State::kOpen});
-    gate_from_[from] = gate;
+    vertices_[from].gate = gate;
     source_.opened(gate, origin);
     return gate;
   }
@@ -133,13 +145,11 @@ class Traversal {
   }
 
   bool begin() {
-    const auto seed = source_.seed(known_);
-    if (!seed) return false;
-    for (const std::uint32_t v : *seed) {
-      if (v > known_ || v >= vertex_count_) return false;
+    const auto [p, q, r] = source_.seed(known_);
+    for (const std::uint32_t v : {p, q, r}) {
+      if (v > known_ || v >= vertices_.size()) return false;
       if (v == known_) ++known_;
     }
-    const auto [p, q, r] = *seed;
     emit(p, q, r);
     connect(p, q);
     connect(q, r);
@@ -154,145 +164,166 @@ class Traversal {
     return true;
   }
 
+  // Gates are read field by field: whole ones would wait for the stores of their fields.
   bool serve(std::uint32_t gate) {
-    const Gate g = gates_[gate];
-    const Gate next = gates_[g.next];
-    const Gate before = gates_[g.before];
+    const std::uint32_t next = gates_[gate].next;
+    const std::uint32_t before = gates_[gate].before;
+    const std::uint32_t a = gates_[gate].from;
+    const std::uint32_t b = gates_[next].from;
     Situation at;
     at.gate = gate;
-    at.a = g.from;
-    at.b = next.from;
-    at.left = before.from;
-    at.right = gates_[next.next].from;
     // A gate that is its own neighbour is no neighbour.
-    at.can_be_right = next.state == State::kOpen && g.next != gate;
-    at.can_be_left = before.state == State::kOpen && g.before != gate;
-    at.can_be_last = at.can_be_left && at.can_be_right && next.next == g.before && g.next != g.before;
-    at.valence_a = valence_[at.a];
-    at.valence_b = valence_[at.b];
-    at.before = last_;
-    const std::optional<Step> step = source_.step(at);
-    if (!step) return false;
-    if (step->symbol == Symbol::kBorder) {
-      gates_[gate].state = State::kBorder;
-      mark_border(g);
+    at.can_be_right = gates_[next].state == State::kOpen && next != gate;
+    at.can_be_left = gates_[before].state == State::kOpen && before != gate;
+    at.can_be_last = at.can_be_left && at.can_be_right && gates_[next].next == before && next != before;
+    at.valence_a = vertices_[a].valence;
+    at.valence_b = vertices_[b].valence;
+    at.latest = latest_;
+    if constexpr (Source::kNeedsEnds) {
+      at.left = gates_[before].from;
+      at.right = gates_[gates_[next].next].from;
+    }
+    const Step step = source_.step(at, known_);
+    if (step.symbol == Symbol::kBorder) {
+      mark_border(gate);
       return true;
     }
-    last_ = step->symbol;
-    return attach(at, g, *step);
-  }
-
-  bool attach(const Situation& at, const Gate& g, const Step& step) {
-    std::uint32_t third = step.vertex;
-    if (step.symbol == Symbol::kNew) {
-      if (known_ >= vertex_count_) return false;
-      third = known_++;
-    } else if (step.symbol == Symbol::kLeft) {
-      third = at.left;
-    } else if (step.symbol != Symbol::kKnown) {
-      third = at.right;
-    } else if (third >= known_) {
-      return false;
-    }
-    emit(at.a, at.b, third);
-    relate(at.a, at.b, g.opposite, third);
-    gates_[at.gate].state = State::kDone;
-    if (step.symbol == Symbol::kRight || step.symbol == Symbol::kLast) {
-      relate(at.b, third, gates_[g.next].opposite, at.a);
-      gates_[g.next].state = State::kDone;
-    }
-    if (step.symbol == Symbol::kLeft || step.symbol == Symbol::kLast) {
-      relate(third, at.a, gates_[g.before].opposite, at.b);
-      gates_[g.before].state = State::kDone;
-    }
+    latest_ = step.symbol;
+    gates_[gate].state = State::kDone;
+    const std::uint32_t opposite = gates_[gate].opposite;
     switch (step.symbol) {
-      case Symbol::kLast:
-        break;
-      case Symbol::kRight: {
-        const std::uint32_t after = gates_[g.next].next;
-        connect(at.a, third);
-        const std::uint32_t left = open(at.a, at.b, GateOrigin::kThirdToFirst);
-        link(g.before, left);
-        link(left, after);
-        // Of a loop of two gates both are gone, and the new one is alone.
-        if (after == at.gate) link(left, left);
-        break;
-      }
-      case Symbol::kLeft: {
-        const std::uint32_t after = gates_[g.before].before;
-        connect(at.b, third);
-        const std::uint32_t right = open(third, at.a, GateOrigin::kSecondToThird);
-        link(after, right);
-        link(right, g.next);
-        if (after == at.gate) link(right, right);
-        break;
+      case Symbol::kNew:
+        if (known_ >= vertices_.size()) return false;
+        attach_new(a, b, opposite, before, next, next == gate);
+        return true;
+      case Symbol::kRight:
+        attach_right(a, b, opposite, before, next);
+        return true;
+      case Symbol::kLeft:
+        attach_left(a, b, opposite, before, next);
+        return true;
+      case Symbol::kLast: {
+        const std::uint32_t third = gates_[before].from;
+        emit(a, b, third);
+        relate(a, b, opposite, third);
+        relate(b, third, gates_[next].opposite, a);
+        relate(third, a, gates_[before].opposite, b);
+        gates_[next].state = State::kDone;
+        gates_[before].state = State::kDone;
+        return true;
       }
       default:
-        split(at, g, third, step.symbol == Symbol::kNew);
+        if (step.vertex >= known_) return false;
+        attach_known(a, b, opposite, before, next, gate, step.vertex);
+        return true;
     }
-    return true;
   }
 
-  void split(const Situation& at, const Gate& g, std::uint32_t third, bool is_new) {
-    const std::uint32_t other = is_new ? kNone : gate_from_[third];
-    connect(third, at.a);
-    connect(third, at.b);
-    const std::uint32_t left = open(at.a, at.b, GateOrigin::kThirdToFirst);
-    const std::uint32_t right = open(third, at.a, GateOrigin::kSecondToThird);
-    const bool is_alone = g.next == at.gate;
-    link(is_alone ? right : g.before, left);
-    link(right, is_alone ? left : g.next);
-    if (other != kNone && other != at.gate && gates_[other].state != State::kDone) {
-      const std::uint32_t before = gates_[other].before;
+  void attach_new(std::uint32_t a, std::uint32_t b, std::uint32_t opposite, std::uint32_t before,
+                  std::uint32_t next, bool is_alone) {
+    const std::uint32_t third = known_++;
+    emit(a, b, third);
+    VertexLinks& links = links_[third];
+    links.relations.fill({a, b, opposite});
+    links.relation_count = 1;
+    links.neighbors = {a, b, a, b};
+    links.neighbor_count = 2;
+    const std::uint32_t left = open(a, b, GateOrigin::kThirdToFirst);
+    const std::uint32_t right = open(third, a, GateOrigin::kSecondToThird);
+    link(left, right);
+    link(is_alone ? right : before, left);
+    link(right, is_alone ? left : next);
+  }
+
+  void attach_right(std::uint32_t a, std::uint32_t b, std::uint32_t opposite, std::uint32_t before,
+                    std::uint32_t next) {
+    const std::uint32_t after = gates_[next].next;
+    const std::uint32_t third = gates_[after].from;
+    emit(a, b, third);
+    relate(a, b, opposite, third);
+    relate(b, third, gates_[next].opposite, a);
+    gates_[next].state = State::kDone;
+    connect(a, third);
+    const std::uint32_t left = open(a, b, GateOrigin::kThirdToFirst);
+    // A loop of two gates is replaced by one of one.
+    link(before == next ? left : before, left);
+    link(left, before == next ? left : after);
+  }
+
+  void attach_left(std::uint32_t a, std::uint32_t b, std::uint32_t opposite, std::uint32_t before,
+                   std::uint32_t next) {
+    const std::uint32_t after = gates_[before].before;
+    const std::uint32_t third = gates_[before].from;
+    emit(a, b, third);
+    relate(a, b, opposite, third);
+    relate(third, a, gates_[before].opposite, b);
+    gates_[before].state = State::kDone;
+    connect(b, third);
+    const std::uint32_t right = open(third, a, GateOrigin::kSecondToThird);
+    link(before == next ? right : after, right);
+    link(right, before == next ? right : next);
+  }
+
+  // Of the loop and that of the other vertex's gate become one, or of one loop two.
+  void attach_known(std::uint32_t a, std::uint32_t b, std::uint32_t opposite, std::uint32_t before,
+                    std::uint32_t next, std::uint32_t gate, std::uint32_t third) {
+    emit(a, b, third);
+    relate(a, b, opposite, third);
+    connect(third, a);
+    connect(third, b);
+    const std::uint32_t other = vertices_[third].gate;
+    const bool is_alone = next == gate;
+    const std::uint32_t left = open(a, b, GateOrigin::kThirdToFirst);
+    const std::uint32_t right = open(third, a, GateOrigin::kSecondToThird);
+    link(is_alone ? right : before, left);
+    link(right, is_alone ? left : next);
+    if (other != kNone && gates_[other].state != State::kDone) {
+      const std::uint32_t other_before = gates_[other].before;
       link(left, other);
-      link(before, right);
+      link(other_before, right);
     } else {
       link(left, right);
     }
   }
 
-  void mark_border(const Gate& g) {
-    links_[g.from].is_border = true;
-    links_[gates_[g.next].from].is_border = true;
+  void mark_border(std::uint32_t gate) {
+    gates_[gate].state = State::kBorder;
+    links_[gates_[gate].from].is_border = true;
+    links_[gates_[gates_[gate].next].from].is_border = true;
   }
 
   void emit(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    triangles_.push_back({a, b, c});
-    for (const std::uint32_t v : {a, b, c}) ++valence_[v];
+    triangles_[triangle_count_++] = {a, b, c};
+    for (const std::uint32_t v : {a, b, c}) {
+      std::uint8_t& valence = vertices_[v].valence;
+      valence = static_cast<std::uint8_t>(valence + (valence < kMostValence ? 1 : 0));
+    }
   }
 
   void connect(std::uint32_t v, std::uint32_t w) {
-    if (v == w) return;
-    VertexLinks& links = links_[std::max(v, w)];
-    if (links.neighbor_count < kMostNeighbors) links.neighbors[links.neighbor_count++] = std::min(v, w);
+    if (v != w) links_[std::max(v, w)].add(std::min(v, w));
   }
 
   // Two triangles share the edge pq and have third vertices r and s.
   void relate(std::uint32_t p, std::uint32_t q, std::uint32_t r, std::uint32_t s) {
-    if (p > q) std::swap(p, q);
-    if (r > s) std::swap(r, s);
-    if (s > q) {
-      if (s > r) add_relation(s, {p, q, r});
-    } else if (q > p && q > s) {
-      add_relation(q, {r, s, p});
+    const std::uint32_t end = std::max(p, q);
+    const std::uint32_t tip = std::max(r, s);
+    if (tip > end) {
+      if (r != s) links_[tip].add(Relation{p, q, std::min(r, s)});
+    } else if (end > tip && p != q) {
+      links_[end].add(Relation{r, s, std::min(p, q)});
     }
-  }
-  void add_relation(std::uint32_t v, const Relation& relation) {
-    VertexLinks& links = links_[v];
-    if (links.relation_count < kMostRelations) links.relations[links.relation_count++] = relation;
   }
 
   Source& source_;
-  std::size_t vertex_count_;
-  std::size_t triangle_count_;
+  std::span<mesh::Triangle> triangles_;
+  std::size_t triangle_count_ = 0;
   std::vector<VertexLinks> links_;
-  std::vector<mesh::Triangle> triangles_;
   std::vector<Gate> gates_;
-  std::vector<std::uint32_t> gate_from_;  // the latest from each vertex
-  std::vector<std::uint32_t> valence_;
+  std::vector<Vertex> vertices_;
   std::uint32_t served_ = 0;
   std::uint32_t known_ = 0;
-  Symbol last_ = Symbol::kBorder;
+  Symbol latest_ = Symbol::kNew;
 };
 
 }  // namespace colossus::codec::predict

@@ -85,24 +85,29 @@ class ValueDecoder {
   void get_batch(std::span<std::uint32_t> values, ContextOf context_of) {
     const std::size_t count = values.size();
     std::array<std::uint32_t, kLanes> x = states_;
-    std::size_t i = 0;
+    const std::uint32_t* const slots = slots_.data();
+    const std::uint32_t* const tables = tables_.data();
+    const std::byte* word = words_.data() + word_;
+    const std::byte* const safe_end = words_.data() + words_.size() - std::min(words_.size(), 2 * kLanes);
     const auto lookup = [&](std::size_t at, std::uint32_t state) {
-      return slots_[tables_[context_of(at)] + (state & (kSlots - 1))];
+      return slots[tables[context_of(at)] + (state & (kSlots - 1))];
     };
     const auto advance = [](std::uint32_t slot, std::uint32_t state) {
       return (slot >> 20) * (state >> kSlotBits) + (slot >> 8 & 0xfffU);
     };
-    for (; i + kLanes <= count && word_ + 2 * kLanes <= words_.size(); i += kLanes)
+    std::size_t i = 0;
+    for (; i + kLanes <= count && word <= safe_end && words_.size() >= 2 * kLanes; i += kLanes)
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const std::uint32_t slot = lookup(i + lane, x[lane]);
         values[i + lane] = slot & 0xffU;
         const std::uint32_t state = advance(slot, x[lane]);
-        std::uint16_t word = 0;
-        std::memcpy(&word, words_.data() + word_, sizeof word);
+        std::uint16_t next = 0;
+        std::memcpy(&next, word, sizeof next);
         const bool is_low = state < kLeastState;
-        x[lane] = is_low ? state << 16 | word : state;
-        word_ += is_low ? 2 : 0;
+        x[lane] = is_low ? state << 16 | next : state;
+        word += is_low ? 2 : 0;
       }
+    word_ = static_cast<std::size_t>(word - words_.data());
     for (; i < count; ++i) {
       std::uint32_t& state = x[i % kLanes];
       const std::uint32_t slot = lookup(i, state);
