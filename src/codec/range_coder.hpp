@@ -3,9 +3,10 @@
 // decisions and carries kept back as in LZMA's coder.
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "core/bytes.hpp"
 

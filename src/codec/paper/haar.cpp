@@ -1,7 +1,6 @@
 #include "codec/paper/haar.hpp"
 
 #include <bit>
-#include <cstddef>
 
 namespace colossus::codec {
 namespace {

@@ -6,6 +6,7 @@
 // makes -1 of the difference of equal values. There one cyclic step of the differences puts it at 0.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 

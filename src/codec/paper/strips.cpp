@@ -205,7 +205,8 @@ class StripBuilder {
   }
 
   static constexpr std::size_t kMostCandidates = 16;
-  // Found by experiment, as was kMostCandidates: the least misses per triangle.
+  // A choice: with 4 there would be 0.77 misses per triangle instead of 0.80 and three more bits per vertex,
+  // without a limit 0.93 and four less.
   static constexpr std::uint32_t kMostMisses = VertexCache::kSize - 3;
 
   std::vector<Triangle> triangles_;
