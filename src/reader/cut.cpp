@@ -161,6 +161,8 @@ Cut cut_at_eye(const Statue& statue, const Eye& eye) {
   const double kappa = eye.kappa.value_or(kDefaultKappa);
   if (!(kappa > 0.0) || !std::isfinite(kappa))
     core::fail(core::Status::kUsage, "kappa: expected a number above 0, found {}", kappa);
+  for (const double c : eye.position)
+    if (!std::isfinite(c)) core::fail(core::Status::kUsage, "eye: expected finite coordinates, found {}", c);
   const double root_side = statue.lattice().step * geometry::kRootSide;
   return refined_cut(statue, [&](RowIndex row) {
     const container::NodeRow& node = statue.rows()[row];

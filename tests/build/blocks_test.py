@@ -3,9 +3,8 @@ import os
 import random
 import re
 
-import numpy as np
-
 import check_closed
+import eyes
 import meshes
 import program
 
@@ -27,19 +26,6 @@ class Blocks(program.ColossusTest):
                 self.assertLess(locked, 1.8, report)
                 self.assertLess(earlier, 1.15, report)
 
-    def eyes(self, points, edge, seed):
-        """Half of them inside the bounds or within an edge length of the surface, half around."""
-        print(f"seed {seed}")
-        numbers = random.Random(seed)
-        low, high = points.min(axis=0), points.max(axis=0)
-        for i in range(EYES):
-            if i % 4 == 0:
-                yield low + (high - low) * [numbers.random() for _ in range(3)]
-            elif i % 4 == 1:
-                yield points[numbers.randrange(len(points))] + edge * np.array([numbers.uniform(-1, 1) for _ in range(3)])
-            else:
-                yield low + (high - low) * [numbers.uniform(-2, 3) for _ in range(3)]
-
     def view(self, container, eye, kappa):
         output = self.path("view.ply")
         run = self.run_program("extract", container, "-o", output, "--eye=" + ",".join(repr(float(x)) for x in eye),
@@ -55,18 +41,17 @@ class Blocks(program.ColossusTest):
     def assert_views_closed(self, scan, *options, seed):
         container = self.blocks(scan, *options)
         mesh = check_closed.weld(check_closed.read_ply(scan))
-        t = mesh.points[mesh.triangles[:, :2]]
-        edge = float(np.linalg.norm(t[:, 1] - t[:, 0], axis=1).mean())
         least = self.least_kappa(container)
         self.assertLess(least, 2.0)
         mixed = 0
-        for eye in self.eyes(mesh.points, edge, seed):
+        print(f"seed {seed}")
+        for eye in eyes.positions(mesh.points, eyes.mean_edge(mesh), EYES, random.Random(seed)):
             for kappa in (least, 2.0, 3.5):
                 cut, said = self.view(container, eye, kappa)
                 census = check_closed.Census(cut)
                 self.assertGreater(len(census.mesh.triangles), 0)
                 self.assertTrue(census.is_closed, f"eye {eye}, kappa {kappa}: {census}")
-                mixed += kappa == 2.0 and len(re.findall(r"level \d+: [1-9]", said)) > 1
+                mixed += kappa == 2.0 and eyes.holds_several_levels(said)
         print(f"{mixed} of {EYES} views at kappa 2 hold several levels")
         self.assertGreater(2 * mixed, EYES)
         return container

@@ -49,8 +49,13 @@ def weld(mesh):
     """Merges points whose coordinates are bit-equal, drops triangles with two equal corners. Negative zero is another
     value than zero: equal points must be bit-equal."""
     bits = np.ascontiguousarray(mesh.points).view(np.uint64)
-    _, first, inverse = np.unique(bits, axis=0, return_index=True, return_inverse=True)
-    triangles = inverse.reshape(-1)[mesh.triangles]
+    order = np.lexsort(bits.T[::-1])  # some ten times faster than np.unique of rows
+    is_new = np.ones(len(bits), dtype=bool)
+    is_new[1:] = (bits[order[1:]] != bits[order[:-1]]).any(axis=1)
+    first = order[is_new]
+    number = np.empty(len(bits), dtype=np.int64)
+    number[order] = np.cumsum(is_new) - 1
+    triangles = number[mesh.triangles]
     a, b, c = triangles.T
     return Mesh(mesh.points[first], triangles[(a != b) & (b != c) & (c != a)])
 
@@ -58,8 +63,10 @@ def weld(mesh):
 def edges(mesh):
     """The undirected edges, ends in order, with the number of triangles at each."""
     t = mesh.triangles
-    ends = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
-    return np.unique(ends, axis=0, return_counts=True)
+    a, b = np.concatenate([t[:, 0], t[:, 1], t[:, 2]]), np.concatenate([t[:, 1], t[:, 2], t[:, 0]])
+    count = max(1, len(mesh.points))
+    keys, uses = np.unique(np.minimum(a, b) * count + np.maximum(a, b), return_counts=True)
+    return np.stack([keys // count, keys % count], axis=1), uses
 
 
 def loops(border):

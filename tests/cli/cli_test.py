@@ -1,5 +1,7 @@
 """The program's exit statuses and messages, and faults planted into containers."""
+import math
 import os
+import re
 import shutil
 
 import meshes
@@ -28,6 +30,26 @@ class CommandLine(program.ColossusTest):
             run = self.run_program(*arguments, status=program.USAGE)
             self.assertNotEqual(run.stderr + run.stdout, "", arguments)
         self.assertEqual(os.listdir(self.folder), ["torus.ply"], "nothing is left behind")
+
+    def test_usage_errors_of_eyes(self):
+        torus, view = self.torus(), self.path("view.ply")
+        for scheme, kappas in (("diamonds", (0, -1, "nan", "inf")), ("blocks", (0, 1, -1, "nan", "inf"))):
+            container = self.build(f"{scheme}.h5", torus, options=("--scheme", scheme, "--leaf-triangles", 300))
+            for arguments in (["--eye=0,0"], ["--eye=0,0,0,0"], ["--eye=0,0,near"], ["--kappa", 2],
+                              ["--eye=0,0,0", "--level", 1], ["--eye=nan,0,0"], ["--eye=0,0,inf"],
+                              *(["--eye=0,0,0", f"--kappa={kappa}"] for kappa in kappas)):
+                run = self.run_program("extract", container, "-o", view, *arguments, status=program.USAGE)
+                self.assertNotEqual(run.stderr + run.stdout, "", arguments)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["blocks.h5", "diamonds.h5", "torus.ply"])
+
+    def test_too_small_a_kappa_of_blocks_prints_the_smallest_legal_one(self):
+        container = self.build("blocks.h5", self.torus(), options=("--scheme", "blocks", "--leaf-triangles", 300))
+        look = ("extract", container, "-o", self.path("view.ply"), "--eye=0,0,0", "--kappa")
+        sigma = self.info(container)["parameters"]["sigma0"]
+        run = self.run_program(*look, repr(1 + 3 * sigma), status=program.USAGE)
+        least = float(re.search(r"1 \+ 3 sigma0, that is at least ([0-9.]+)", run.stderr)[1])
+        self.assertEqual(least, math.nextafter(1 + 3 * sigma, math.inf))
+        self.run_program(*look, repr(least))
 
     def test_help_and_version(self):
         self.assertIn("build", self.run_program("--help").stdout)

@@ -207,6 +207,8 @@ TEST(Cut, EyeCutRefinesWhatIsNearAndIsClosed) {
             std::vector<bool>(statue->rows().size(), false));
   for (const double kappa : {0.0, -1.0, std::nan("")})
     EXPECT_THROW(cut_at_eye(*statue, {far, kappa}), core::Error);
+  EXPECT_THROW(cut_at_eye(*statue, {{0, std::nan(""), 0}, 2.0}), core::Error);
+  EXPECT_THROW(cut_at_eye(*statue, {{0, 0, HUGE_VAL}, 2.0}), core::Error);
 }
 
 }  // namespace
