@@ -141,10 +141,10 @@ class Damage(faults.FaultTest):
 
     def check(self, scheme, event):
         builder = self.stopped(scheme, event)
-        self.assertEqual(self.flip_and_cut(builder, self.names(".journal"), 25, 15)[1], 0)
+        self.assertEqual(self.flip_and_cut(builder, self.names(".journal"), 15, 10)[1], 0)
         spools = self.names(".spool")
         self.assertGreater(len(spools), 1)
-        self.assertEqual(self.flip_and_cut(builder, spools, 4, 2)[1], 0)
+        self.assertEqual(self.flip_and_cut(builder, spools, 2, 1)[1], 0)
 
     def test_of_diamonds(self):
         self.check("diamonds", "14.task")
@@ -166,7 +166,8 @@ class Damage(faults.FaultTest):
             builder = self.builder(scheme, [self.statue(20000)], options)
             events = faults.moments_of(self.make_reference(builder))
             found = 0
-            for number, event in enumerate(event for event in events if event.endswith(".task") or event == "part"):
+            phases = [event for event in events if event.endswith(".task")]
+            for number, event in enumerate(["part", *self.random.sample(phases, 8)]):
                 what = f"{scheme}: {event}"
                 run = builder.start(fault=Fault(event, 1, "after", str(-signal.SIGSTOP)))
                 wait_until(lambda run=run: state_of(run.process.pid) == "T")
@@ -182,7 +183,7 @@ class Damage(faults.FaultTest):
                     self.assertFalse(os.path.exists(builder.output), what)
                     self.assert_resumes(builder, what)
                 builder.clear()
-            self.assertGreater(found, 5, scheme)
+            self.assertGreater(found, 3, scheme)
 
     def damage_spools(self, scratch, is_cut):
         for folder, _, names in os.walk(scratch):
@@ -244,8 +245,8 @@ class Stale(faults.FaultTest):
         for scheme, options in SCHEMES.items():
             builder = self.builder(scheme, [self.statue(20000)], options)
             events = faults.moments_of(self.make_reference(builder))
-            for event, count in events.items():
-                fault = Fault(event, self.random.randint(1, count), self.random.choice(["before", "half", "after"]),
+            for event in self.random.sample(list(events), 12):
+                fault = Fault(event, self.random.randint(1, events[event]), self.random.choice(["before", "half", "after"]),
                               str(-signal.SIGSTOP))
                 self.check_overtaken(builder, fault, f"{scheme}: {fault}", list(events)[len(events) // 2])
                 builder.clear()
@@ -255,7 +256,7 @@ class Stale(faults.FaultTest):
         for scheme, options in SCHEMES.items():
             builder = self.builder(scheme, [self.statue(20000)], options)
             events = faults.moments_of(self.make_reference(builder))
-            for event in self.random.sample([event for event in events if event != "rmdir"], 6):
+            for event in self.random.sample([event for event in events if event != "rmdir"], 4):
                 fault = Fault(event, self.random.randint(1, events[event]), self.random.choice(["before", "half", "after"]),
                               str(-signal.SIGSTOP), "ranks")
                 what = f"{scheme}: {fault}"
