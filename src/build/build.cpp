@@ -86,14 +86,30 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme,
   return report;
 }
 
-// Whether scratch is of no use to a later attempt: it would find the same fault, or another input.
-bool is_final(core::Status status) {
-  return status == core::Status::kBadData || status == core::Status::kUsage;
-}
+// How an attempt at a build ended.
+struct Attempt {
+  std::uint16_t number = 0;
+  bool is_resumed = false;
+  bool is_superseded = false;
+  BuildReport report;
+  std::optional<core::Error> failure;
 
-// The same error with what to do next.
-cluster::AgreedError with_advice(const core::Error& error, const std::filesystem::path& scratch) {
-  if (is_final(error.status())) return {error.status(), error.what()};
+  // Whether scratch is of no use any more. After bad input or usage another attempt would find the same
+  // fault; but what earlier ones have finished is not lost to a file system that lets go of an input for a
+  // while, nor to a dry run.
+  bool is_done_with_scratch() const {
+    if (is_superseded) return false;
+    if (!failure) return !(report.is_dry_run && is_resumed);
+    const bool is_input =
+        failure->status() == core::Status::kBadData || failure->status() == core::Status::kUsage;
+    return is_input && !is_resumed;
+  }
+};
+
+// The failure with what to do next.
+cluster::AgreedError with_advice(const Attempt& attempt, const std::filesystem::path& scratch) {
+  const core::Error& error = *attempt.failure;
+  if (attempt.is_superseded || attempt.is_done_with_scratch()) return {error.status(), error.what()};
   if (error.status() == core::Status::kStopped)
     return {error.status(),
             fmt::format("{}; what is finished lies in {}: run the same command with --resume to "
@@ -104,49 +120,60 @@ cluster::AgreedError with_advice(const core::Error& error, const std::filesystem
                                       error.what(), scratch.string())};
 }
 
-BuildReport build_with(const cluster::Communicator& ranks, const BuildOptions& options, Reporter& reporter) {
-  const std::uint64_t memory_bytes = memory_per_rank(ranks, options.memory);
-  cluster::watch_for_stop(ranks, options.time_limit);
-  std::filesystem::path folder = options.scratch;
-  if (folder.empty()) folder = options.output.string() + ".scratch";
+// Collective. Failures to open scratch are thrown, but a request to stop: there may be much to look at.
+Attempt attempt_build(const cluster::Communicator& ranks, const BuildOptions& options,
+                      const std::filesystem::path& directory, std::uint64_t memory_bytes,
+                      Reporter& reporter) {
   std::vector<InputStamp> inputs;
   ranks.attempt([&] {
     if (!ranks.is_root()) return;
     check_output(options);
     inputs = stamps_of_inputs(options);
   });
-  BuildReport report;
-  std::optional<core::Error> failure;
-  std::uint16_t attempt = 0;
-  std::uint32_t has_scratch = 1;
-  {
-    OpenedScratch opened = open_scratch(ranks, folder, options.resume, manifest_of(options, inputs));
-    attempt = opened.progress.journal.attempt();
-    reporter.set_attempt(attempt);
-    scratch::SpoolWriter writer(opened.location, attempt, static_cast<std::uint16_t>(ranks.rank()));
-    scratch::SpoolReader reader(opened.location);
-    const Workspace workspace{ranks,  options,      opened.location, writer,
-                              reader, memory_bytes, opened.progress, reporter};
-    try {
-      report = run_phases(workspace, scheme_named(options.scheme), inputs);
-    } catch (const cluster::AgreedError& error) {
-      failure = error;
-      has_scratch = is_superseded(workspace) ? 0 : 1;
-      broadcast_value(ranks, has_scratch);
-      if (has_scratch == 0) failure = superseded_error(workspace);
-    }
+  Attempt attempt;
+  std::optional<OpenedScratch> opened;
+  try {
+    opened.emplace(open_scratch(ranks, directory, options.resume, manifest_of(options, inputs)));
+  } catch (const cluster::AgreedError& error) {
+    if (error.status() != core::Status::kStopped) throw;
+    attempt.failure = error;
+    return attempt;
   }
+  attempt.number = opened->progress.journal.attempt();
+  attempt.is_resumed = opened->progress.is_resumed;
+  reporter.set_attempt(attempt.number);
+  scratch::SpoolWriter writer(opened->location, attempt.number, static_cast<std::uint16_t>(ranks.rank()));
+  scratch::SpoolReader reader(opened->location);
+  const Workspace workspace{ranks,  options,      opened->location, writer,
+                            reader, memory_bytes, opened->progress, reporter};
+  try {
+    attempt.report = run_phases(workspace, scheme_named(options.scheme), inputs);
+  } catch (const cluster::AgreedError& error) {
+    std::uint32_t superseded = is_superseded(workspace) ? 1 : 0;
+    broadcast_value(ranks, superseded);
+    attempt.is_superseded = superseded != 0;
+    attempt.failure = error;
+    if (attempt.is_superseded) attempt.failure = superseded_error(workspace);
+  }
+  return attempt;
+}
+
+BuildReport build_with(const cluster::Communicator& ranks, const BuildOptions& options, Reporter& reporter) {
+  const std::uint64_t memory_bytes = memory_per_rank(ranks, options.memory);
+  cluster::watch_for_stop(ranks, options.time_limit);
+  std::filesystem::path directory = options.scratch;
+  if (directory.empty()) directory = options.output.string() + ".scratch";
+  const Attempt attempt = attempt_build(ranks, options, directory, memory_bytes, reporter);
   ranks.barrier();  // all files are closed
-  if (ranks.is_root() && (!failure || is_final(failure->status()))) {
+  if (ranks.is_root() && attempt.is_done_with_scratch()) {
     try {
-      scratch::remove_scratch_directory(folder, attempt);
+      scratch::remove_scratch_directory(directory, attempt.number);
     } catch (const core::Error& error) {
       core::warn_line(error.what());  // the container is complete all the same
     }
   }
-  if (!failure) return report;
-  if (has_scratch == 0) throw cluster::AgreedError(failure->status(), failure->what());
-  const cluster::AgreedError agreed = with_advice(*failure, folder);
+  if (!attempt.failure) return attempt.report;
+  const cluster::AgreedError agreed = with_advice(attempt, directory);
   if (agreed.status() == core::Status::kStopped) core::log_line(agreed.what());
   throw agreed;
 }

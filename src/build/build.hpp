@@ -14,8 +14,8 @@ struct BuildReport {
 };
 
 // Builds options.output. Collective, once per program: signals to stop are watched for from then on. On any
-// error no output is left behind. Scratch is left for a later attempt with options.resume, unless the error
-// is of status kUsage or kBadData, which another attempt would meet again.
+// error no output is left behind. Scratch is left for a later attempt with options.resume, unless a first
+// attempt fails with status kUsage or kBadData, which another one would meet again.
 BuildReport build(const cluster::Communicator& ranks, const BuildOptions& options);
 
 }  // namespace colossus::build

@@ -71,6 +71,16 @@ class Stop(faults.FaultTest):
     def test_by_signals_in_every_phase_of_blocks(self):
         self.check_every_phase("blocks")
 
+    def test_while_a_resumed_build_looks_at_scratch(self):
+        builder = self.builder("look", [self.statue(20000)], SCHEMES["diamonds"])
+        self.make_reference(builder)
+        self.check_stop(builder, Fault("9.task", 1, "after", str(-signal.SIGTERM)), "the first attempt", 0)
+        for ranks in (0, 3):
+            what = f"on {ranks} ranks"
+            self.check_stop(builder, Fault("0.start", 1, "after", str(-signal.SIGUSR1)), what, ranks)
+        run = self.assert_resumes(builder, "after all")
+        self.assertIn("resume: attempt 4", run.text("stdout"))
+
     def test_by_a_time_limit(self):
         builder = self.builder("limit", [self.statue(20000)], SCHEMES["diamonds"])
         events = faults.moments_of(self.make_reference(builder))
@@ -86,11 +96,11 @@ class Stop(faults.FaultTest):
 class Damage(faults.FaultTest):
     """Of what a build that was killed has left."""
 
-    def stopped(self, scheme, event, n=1):
-        """A builder whose scratch is kept in self.kept."""
+    def stopped(self, scheme):
+        """A builder that was killed when it had come two thirds of the way, whose scratch is kept in self.kept."""
         builder = self.builder(scheme, [self.statue(20000)], SCHEMES[scheme])
-        self.make_reference(builder)
-        run = builder.run(fault=Fault(event, n, "half", "-9"))
+        phases = [event for event in faults.moments_of(self.make_reference(builder)) if event.endswith(".task")]
+        run = builder.run(fault=Fault(phases[len(phases) * 2 // 3], 1, "half", "-9"))
         self.assertEqual(run.status, -signal.SIGKILL)
         self.kept = self.path("kept")
         shutil.copytree(builder.scratch, self.kept)
@@ -139,21 +149,21 @@ class Damage(faults.FaultTest):
         return [os.path.relpath(os.path.join(folder, name), self.kept)
                 for folder, _, names in os.walk(self.kept) for name in names if name.endswith(ending)]
 
-    def check(self, scheme, event):
-        builder = self.stopped(scheme, event)
+    def check(self, scheme):
+        builder = self.stopped(scheme)
         self.assertEqual(self.flip_and_cut(builder, self.names(".journal"), 15, 10)[1], 0)
         spools = self.names(".spool")
         self.assertGreater(len(spools), 1)
         self.assertEqual(self.flip_and_cut(builder, spools, 2, 1)[1], 0)
 
     def test_of_diamonds(self):
-        self.check("diamonds", "14.task")
+        self.check("diamonds")
 
     def test_of_blocks(self):
-        self.check("blocks", "9.task")
+        self.check("blocks")
 
     def test_of_the_manifest(self):
-        builder = self.stopped("diamonds", "9.task")
+        builder = self.stopped("diamonds")
         redone, refused = self.flip_and_cut(builder, self.names("manifest"), 10, 10)
         self.assertEqual(redone, 0, "a manifest that is damaged was trusted")
         self.assertEqual(refused, 20)
@@ -221,6 +231,20 @@ class Stale(faults.FaultTest):
         with open(statue, "ab") as file:
             file.write(b" ")
         check(program.USAGE, ["input 1 is ", "bytes modified at", "repeat the command"], "--resume")
+
+    def test_a_resumed_build_keeps_scratch_that_is_of_use(self):
+        statue = self.statue(2000)
+        builder = self.builder("kept", [statue], SCHEMES["blocks"])
+        self.make_reference(builder)
+        self.assertEqual(builder.run(fault=Fault("5.task", 1, "after", "-9")).status, -signal.SIGKILL)
+        run = builder.run("--resume", "--dry-run")
+        self.assertEqual(run.status, program.OK, str(run))
+        os.rename(statue, statue + ".away")
+        run = builder.run("--resume")
+        self.assertEqual(run.status, program.BAD_DATA, str(run))
+        os.rename(statue + ".away", statue)
+        run = self.assert_resumes(builder, "the input is back")
+        self.assertRegex(run.text("stdout"), "resume: requests: [1-9]")
 
     def test_an_input_that_changes_while_it_is_read(self):
         changes = {"grows": lambda size: size + 1, "shrinks": lambda size: size // 2, "is emptied": lambda size: 0}
