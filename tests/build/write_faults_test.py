@@ -31,12 +31,15 @@ class WriteFaults(faults.FaultTest):
             found[0] = (Fault(operation, n, self.random.choice(["before", "half"]), full[0]), (full[1],))
         return found
 
-    def check(self, scheme, *options):
+    def check(self, scheme, *options, is_resumed=False):
         options = ["--scheme", scheme, *options]
         statue = self.statue(400)
-        trace = self.make_reference(self.builder("reference", [statue], options))
+        builder = self.builder("reference", [statue], options)
+        trace = self.make_reference(builder)
+        if is_resumed:
+            trace = self.kill_and_resume(builder, trace)
         writes = [operation for operation, *_ in trace]
-        self.assertGreater(writes.count("pwrite"), 30)
+        self.assertGreater(writes.count("pwrite"), 20)
         print(f"{scheme}: {len(writes)} operations, {writes.count('pwrite')} of them writes")
         cases = [(fault, statuses, trace[i]) for i, operation in enumerate(writes)
                  for fault, statuses in self.faults_of(writes[:i + 1].count(operation), operation)]
@@ -46,6 +49,8 @@ class WriteFaults(faults.FaultTest):
         def check_case(case):
             number, (fault, statuses, operation) = case
             builder = self.builder(f"case_{number}", [statue], options)
+            if is_resumed:
+                shutil.copytree(self.kept, builder.scratch)
             try:
                 self.check_fault(builder, fault, statuses, f"{scheme}: {' '.join(operation)}: {fault}")
             except AssertionError as failure:
@@ -57,8 +62,16 @@ class WriteFaults(faults.FaultTest):
             list(pool.map(check_case, enumerate(cases)))
         self.assertFalse(failures, f"{len(failures)} of {len(cases)} faults\n" + "\n".join(failures[:10]))
 
+    def kill_and_resume(self, builder, trace):
+        """Keeps in self.kept what a build leaves that is killed half way. Returns the trace of the next attempt."""
+        phases = [event for event in faults.moments_of(trace) if event.endswith(".task")]
+        builder.run(fault=Fault(phases[len(phases) // 2], 1, "half", "-9"))
+        self.kept = self.path("kept")
+        shutil.copytree(builder.scratch, self.kept)
+        return self.assert_resumes(builder, "without a fault").trace()
+
     def check_fault(self, builder, fault, statuses, what):
-        run = builder.run(ranks=RANKS, fault=fault)
+        run = builder.run("--resume", ranks=RANKS, fault=fault)
         if RANKS == 0 or fault.event not in (*MAY_BE_OVERCOME, "create"):  # of which several ranks have other numbers
             self.assertGreaterEqual(run.events, fault.n, f"{what}: the operation was not reached\n{run}")
             self.assertIn(run.status, statuses, f"{what}: {run}")
@@ -79,6 +92,9 @@ class WriteFaults(faults.FaultTest):
 
     def test_diamonds(self):
         self.check("diamonds", "--leaf-triangles", 300)
+
+    def test_diamonds_resumed(self):
+        self.check("diamonds", "--leaf-triangles", 300, is_resumed=True)
 
     def test_blocks(self):
         self.check("blocks", "--leaf-triangles", 200, "--levels", 1)
