@@ -22,27 +22,25 @@ Lanes to_lanes(const mesh::Color& color) {
 }
 
 // The mean of four.
-Channels predict(const VertexLinks& links, const std::vector<Lanes>& colors, std::size_t v) {
-  Lanes mean = v > 0 ? colors[v - 1] : 0;
-  if (links.neighbor_count > 0) {
-    Lanes sum = 2 * kEachLane;
-    for (const std::uint32_t neighbor : links.neighbors) sum += colors[neighbor];
-    mean = sum >> 2 & 255 * kEachLane;
-  }
-  return {static_cast<std::int32_t>(mean & 255), static_cast<std::int32_t>(mean >> 16 & 255),
-          static_cast<std::int32_t>(mean >> 32 & 255), static_cast<std::int32_t>(mean >> 48)};
+Lanes predict(const VertexLinks& links, const std::vector<Lanes>& colors, std::size_t v) {
+  Lanes sum = 2 * kEachLane;
+  for (const std::uint32_t neighbor : links.neighbors) sum += colors[neighbor];
+  if (links.neighbor_count == 0) return v > 0 ? colors[v - 1] : 0;
+  return sum >> 2 & 255 * kEachLane;
 }
 
 }  // namespace
 
-void encode_colors(ValueEncoder& values, const std::vector<VertexLinks>& links, const CodedPart& part) {
+void encode_colors(ValueEncoder& values, std::span<const VertexLinks> links, const CodedPart& part) {
   const std::size_t count = part.colors.size();
   std::vector<Channels> residuals(count);
   std::vector<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
     colors[v] = to_lanes(part.colors[v]);
-    Channels d = predict(links[v], colors, v);
-    for (std::size_t c = 0; c < 4; ++c) d[c] = part.colors[v][c] - d[c];
+    const Lanes prediction = predict(links[v], colors, v);
+    Channels d{};
+    for (std::size_t c = 0; c < 4; ++c)
+      d[c] = part.colors[v][c] - static_cast<std::int32_t>(prediction >> 16 * c & 255);
     const std::int32_t orange = d[0] - d[2];
     const std::int32_t middle = d[2] + (orange >> 1);
     const std::int32_t green = d[1] - middle;
@@ -58,7 +56,7 @@ void encode_colors(ValueEncoder& values, const std::vector<VertexLinks>& links, 
   put(3, [&](std::size_t) { return kOpacity; });
 }
 
-void decode_colors(ValueDecoder& values, const std::vector<VertexLinks>& links, CodedPart& part) {
+void decode_colors(ValueDecoder& values, std::span<const VertexLinks> links, CodedPart& part) {
   const std::size_t count = part.colors.size();
   std::array<std::vector<std::uint32_t>, 4> read;
   for (auto& channel : read) channel.resize(count);
@@ -68,16 +66,18 @@ void decode_colors(ValueDecoder& values, const std::vector<VertexLinks>& links, 
   values.get_batch(read[3], [](std::size_t) { return kOpacity; });
   std::vector<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
-    const Channels p = predict(links[v], colors, v);
     const std::int32_t green = to_signed(read[2][v]);
     const std::int32_t middle = wrapped_difference(to_signed(read[0][v]), green >> 1);
     const std::int32_t orange = to_signed(read[1][v]);
     const std::int32_t blue = wrapped_difference(middle, orange >> 1);
-    part.colors[v] = {static_cast<std::uint8_t>(wrapped_sum(p[0], wrapped_sum(blue, orange))),
-                      static_cast<std::uint8_t>(wrapped_sum(p[1], wrapped_sum(middle, green))),
-                      static_cast<std::uint8_t>(wrapped_sum(p[2], blue)),
-                      static_cast<std::uint8_t>(wrapped_sum(p[3], to_signed(read[3][v])))};
-    colors[v] = to_lanes(part.colors[v]);
+    colors[v] = to_lanes({static_cast<std::uint8_t>(wrapped_sum(blue, orange)),
+                          static_cast<std::uint8_t>(wrapped_sum(middle, green)),
+                          static_cast<std::uint8_t>(blue), static_cast<std::uint8_t>(to_signed(read[3][v]))});
+  }
+  for (std::size_t v = 0; v < count; ++v) {
+    const Lanes color = (colors[v] + predict(links[v], colors, v)) & 255 * kEachLane;
+    colors[v] = color;
+    for (std::size_t c = 0; c < 4; ++c) part.colors[v][c] = static_cast<std::uint8_t>(color >> 16 * c);
   }
 }
 

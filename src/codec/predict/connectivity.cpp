@@ -206,27 +206,25 @@ std::array<std::uint32_t, 3> SymbolModel::get_seed(BitDecoder& decoder, std::uin
 void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count) {
   MeshSource source(triangles, vertex_count);
   std::vector<mesh::Triangle> ordered(triangles.size());
-  COLOSSUS_CHECK(Traversal(source, vertex_count, std::span(ordered)).run(), "{} triangles", triangles.size());
+  std::vector<VertexLinks> links(vertex_count);
+  COLOSSUS_CHECK(Traversal(source, std::span(ordered), std::span(links)).run(), "{} triangles", triangles.size());
   for (mesh::Triangle& t : ordered)
     for (auto& v : t) v = source.before()[v];
   triangles = std::move(ordered);
 }
 
-std::vector<VertexLinks> encode_connectivity(BitEncoder& encoder, SymbolModel& model, const CodedPart& part) {
+void encode_connectivity(BitEncoder& encoder, SymbolModel& model, const CodedPart& part,
+                         std::span<VertexLinks> links) {
   EncodingSource source(encoder, model, part);
   std::vector<mesh::Triangle> triangles(part.triangles.size());
-  Traversal traversal(source, part.positions.size(), std::span(triangles));
-  COLOSSUS_CHECK(traversal.run() && triangles == part.triangles,
+  COLOSSUS_CHECK(Traversal(source, std::span(triangles), links).run() && triangles == part.triangles,
                  "triangles are not in the codec's order, or vertices are not in order of first use");
-  return traversal.take_links();
 }
 
-std::optional<std::vector<VertexLinks>> decode_connectivity(BitDecoder& decoder, SymbolModel& model,
-                                                            CodedPart& part) {
+bool decode_connectivity(BitDecoder& decoder, SymbolModel& model, CodedPart& part,
+                         std::span<VertexLinks> links) {
   DecodingSource source(decoder, model);
-  Traversal traversal(source, part.positions.size(), std::span(part.triangles));
-  if (!traversal.run()) return std::nullopt;
-  return traversal.take_links();
+  return Traversal(source, std::span(part.triangles), links).run();
 }
 
 }  // namespace colossus::codec::predict

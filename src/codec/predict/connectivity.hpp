@@ -2,7 +2,6 @@
 #pragma once
 
 #include <bit>
-#include <optional>
 
 #include "codec/coded_node.hpp"
 #include "codec/predict/bit_coder.hpp"
@@ -51,11 +50,12 @@ class SymbolModel {
 // The order of triangles that encode_connectivity() wants. Linear.
 void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count);
 
-// What the traversal tells of the vertices. Triangles must be as order_by_traversal() leaves them.
-std::vector<VertexLinks> encode_connectivity(BitEncoder& encoder, SymbolModel& model, const CodedPart& part);
+// Triangles must be as order_by_traversal() leaves them. Fills the links, one for each vertex.
+void encode_connectivity(BitEncoder& encoder, SymbolModel& model, const CodedPart& part,
+                         std::span<VertexLinks> links);
 
-// Fills the triangles; none when the symbols make no sense.
-std::optional<std::vector<VertexLinks>> decode_connectivity(BitDecoder& decoder, SymbolModel& model,
-                                                            CodedPart& part);
+// Fills the triangles and the links; false when the symbols make no sense.
+bool decode_connectivity(BitDecoder& decoder, SymbolModel& model, CodedPart& part,
+                         std::span<VertexLinks> links);
 
 }  // namespace colossus::codec::predict

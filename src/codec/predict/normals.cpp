@@ -9,7 +9,7 @@ namespace {
 // Differences of coordinates keep so many bits: cross products, summed over a million triangles, fit.
 constexpr int kEdgeBits = 18;
 // A component of a sum keeps so many bits when it is projected.
-constexpr int kSumBits = 22;
+constexpr int kSumBits = 14;
 
 // Sums of face normals at each vertex, by area.
 std::vector<LongVector> face_sums(const CodedNode& node, const CodedPart& part) {
@@ -57,40 +57,45 @@ std::vector<LongVector> smoothed(const std::vector<LongVector>& sums, const Code
 // A predicted normal in the octahedron's square. Around its lower pole the square is folded over, so that a
 // prediction near its border has neighbours on all sides.
 struct Projection {
-  std::array<std::int32_t, 2> cell{128, 128};  // the nearest, 0 to 255
-  std::array<bool, 2> is_below{};              // whether the prediction is below the cell's middle
+  std::int32_t u = 128;  // the nearest cell, 0 to 255
+  std::int32_t v = 128;
+  std::int32_t u_sign = 1;  // -1 where the prediction is below the cell's middle
+  std::int32_t v_sign = 1;
   bool is_folded = false;
 };
 
-Projection project(LongVector n) {
+inline Projection project(const LongVector& n) {
   Projection projection;
-  std::uint64_t size = 0;
-  for (const std::int64_t entry : n) size |= static_cast<std::uint64_t>(std::abs(entry));
+  const std::uint64_t size = static_cast<std::uint64_t>(std::abs(n[0])) |
+                             static_cast<std::uint64_t>(std::abs(n[1])) |
+                             static_cast<std::uint64_t>(std::abs(n[2]));
   if (size == 0) return projection;
-  const int excess = static_cast<int>(std::bit_width(size)) - kSumBits;
-  if (excess > 0)
-    for (auto& entry : n) entry >>= excess;
-  const auto sum = static_cast<std::uint32_t>(std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
-  projection.is_folded = n[2] < 0;
-  // 255 * (n / sum + 1) / 2 in fixed point, with one division.
-  constexpr int kPoint = 30;
-  const std::uint64_t scale = (std::uint64_t{255} << (kPoint - 1)) / sum;
-  for (std::size_t k = 0; k < 2; ++k) {
-    const std::uint64_t value = static_cast<std::uint64_t>(n[k] + sum) * scale;
-    const std::uint64_t cell = (value + (std::uint64_t{1} << (kPoint - 1))) >> kPoint;
-    projection.cell[k] = static_cast<std::int32_t>(cell);
-    projection.is_below[k] = value < cell << kPoint;
-  }
+  const int excess = std::max(0, static_cast<int>(std::bit_width(size)) - kSumBits);
+  const auto x = static_cast<std::int32_t>(n[0] >> excess);
+  const auto y = static_cast<std::int32_t>(n[1] >> excess);
+  const auto z = static_cast<std::int32_t>(n[2] >> excess);
+  const std::int32_t sum = std::abs(x) + std::abs(y) + std::abs(z);
+  projection.is_folded = z < 0;
+  // 255 * (x / sum + 1) / 2 in fixed point, with one division for both.
+  constexpr int kPoint = 24;
+  constexpr std::uint32_t kHalf = 1U << (kPoint - 1);
+  const std::uint32_t scale = 255 * kHalf / static_cast<std::uint32_t>(sum);
+  const std::uint32_t u = static_cast<std::uint32_t>(x + sum) * scale + kHalf;
+  const std::uint32_t v = static_cast<std::uint32_t>(y + sum) * scale + kHalf;
+  projection.u = static_cast<std::int32_t>(u >> kPoint);
+  projection.v = static_cast<std::int32_t>(v >> kPoint);
+  projection.u_sign = (u & (2 * kHalf - 1)) < kHalf ? -1 : 1;
+  projection.v_sign = (v & (2 * kHalf - 1)) < kHalf ? -1 : 1;
   return projection;
 }
 
 // Its own inverse.
-std::array<std::int32_t, 2> folded(const std::array<std::int32_t, 2>& cell) {
-  const std::int32_t x = 2 * cell[0] - 255;
-  const std::int32_t y = 2 * cell[1] - 255;
-  const std::int32_t fx = x < 0 ? std::abs(y) - 256 : 256 - std::abs(y);
-  const std::int32_t fy = y < 0 ? std::abs(x) - 256 : 256 - std::abs(x);
-  return {(fx + 255) / 2, (fy + 255) / 2};
+inline void fold(std::int32_t& u, std::int32_t& v) {
+  const std::int32_t x = 2 * u - 255;
+  const std::int32_t y = 2 * v - 255;
+  // Both are odd: signs are 1 and -1, without a branch.
+  u = ((256 - std::abs(y)) * ((x >> 31) | 1) + 255) >> 1;
+  v = ((256 - std::abs(x)) * ((y >> 31) | 1) + 255) >> 1;
 }
 
 constexpr std::int32_t wrapped_byte(std::int32_t value) { return static_cast<std::int8_t>(value & 255); }
@@ -101,9 +106,14 @@ std::uint32_t second_context(const VertexLinks& links, std::uint32_t first) {
   return 2 + (links.is_border ? kNormalSizes : 0) + size;
 }
 
+struct Miss {
+  std::int32_t u = 0;
+  std::int32_t v = 0;
+};
+
 class Predictor {
  public:
-  Predictor(NormalMode mode, const std::vector<VertexLinks>& links, const CodedNode& node,
+  Predictor(NormalMode mode, std::span<const VertexLinks> links, const CodedNode& node,
             const CodedPart& part)
       : links_(links), expects_misses_(mode != NormalMode::kSum), sums_(face_sums(node, part)) {
     if (mode == NormalMode::kSmoothed) sums_ = smoothed(sums_, part, 8);
@@ -114,47 +124,44 @@ class Predictor {
   Projection project_sum(std::uint32_t v) const { return project(sums_[v]); }
 
   // Half the mean of what the neighbours' projections missed their normals by.
-  std::array<std::int32_t, 2> expected_miss(std::uint32_t v) const {
-    std::array<std::int32_t, 2> expected{};
-    const VertexLinks& links = links_[v];
-    if (!expects_misses_ || links.neighbor_count == 0) return expected;
-    for (std::size_t k = 0; k < 2; ++k) {
-      std::int32_t sum = 0;
-      for (const std::uint32_t neighbor : links.neighbors) sum += misses_[neighbor][k];
-      expected[k] = sum / (2 * static_cast<std::int32_t>(kMostNeighbors));
+  Miss expected_miss(std::uint32_t v) const {
+    if (!expects_misses_ || links_[v].neighbor_count == 0) return {};
+    std::int32_t u_sum = 0;
+    std::int32_t v_sum = 0;
+    for (const std::uint32_t neighbor : links_[v].neighbors) {
+      u_sum += misses_[neighbor].u;
+      v_sum += misses_[neighbor].v;
     }
-    return expected;
+    constexpr auto kTwice = static_cast<std::int32_t>(2 * kMostNeighbors);
+    return {u_sum / kTwice, v_sum / kTwice};
   }
-  void set_miss(std::uint32_t v, const std::array<std::int32_t, 2>& miss) {
-    if (expects_misses_) misses_[v] = {static_cast<std::int8_t>(miss[0]), static_cast<std::int8_t>(miss[1])};
+  void set_miss(std::uint32_t v, const Miss& miss) {
+    if (expects_misses_) misses_[v] = miss;
   }
 
  private:
-  const std::vector<VertexLinks>& links_;
+  std::span<const VertexLinks> links_;
   bool expects_misses_;
   std::vector<LongVector> sums_;
-  std::vector<std::array<std::int8_t, 2>> misses_;
+  std::vector<Miss> misses_;
 };
 
 // Calls back with what is left of each normal, in order.
 template <typename Take>
-void for_each_residual(NormalMode mode, const std::vector<VertexLinks>& links, const CodedNode& node,
+void for_each_residual(NormalMode mode, std::span<const VertexLinks> links, const CodedNode& node,
                        const CodedPart& part, Take take) {
   Predictor predictor(mode, links, node, part);
   for (std::uint32_t v = 0; v < part.normals.size(); ++v) {
     const Projection projection = predictor.project_sum(v);
-    std::array<std::int32_t, 2> cell{part.normals[v][0], part.normals[v][1]};
-    if (projection.is_folded) cell = folded(cell);
-    const std::array<std::int32_t, 2> expected = predictor.expected_miss(v);
-    std::array<std::int32_t, 2> miss{};
-    std::array<std::uint32_t, 2> residual{};
-    for (std::size_t k = 0; k < 2; ++k) {
-      miss[k] = wrapped_byte(cell[k] - projection.cell[k]);
-      const std::int32_t left = wrapped_byte(miss[k] - expected[k]);
-      residual[k] = to_unsigned(projection.is_below[k] ? -left : left);
-    }
+    std::int32_t u_cell = part.normals[v][0];
+    std::int32_t v_cell = part.normals[v][1];
+    if (projection.is_folded) fold(u_cell, v_cell);
+    const Miss expected = predictor.expected_miss(v);
+    const Miss miss{wrapped_byte(u_cell - projection.u), wrapped_byte(v_cell - projection.v)};
     predictor.set_miss(v, miss);
-    take(v, residual);
+    take(v, std::array<std::uint32_t, 2>{
+                to_unsigned(projection.u_sign * wrapped_byte(miss.u - expected.u)),
+                to_unsigned(projection.v_sign * wrapped_byte(miss.v - expected.v))});
   }
 }
 
@@ -177,7 +184,7 @@ NormalMode choose_normal_mode(const CodedNode& node, const std::vector<std::vect
   return best;
 }
 
-void encode_normals(ValueEncoder& values, NormalMode mode, const std::vector<VertexLinks>& links,
+void encode_normals(ValueEncoder& values, NormalMode mode, std::span<const VertexLinks> links,
                     const CodedNode& node, const CodedPart& part) {
   std::vector<std::array<std::uint32_t, 2>> residuals(part.normals.size());
   for_each_residual(mode, links, node, part,
@@ -189,7 +196,7 @@ void encode_normals(ValueEncoder& values, NormalMode mode, const std::vector<Ver
   values.end_batch();
 }
 
-void decode_normals(ValueDecoder& values, NormalMode mode, const std::vector<VertexLinks>& links,
+void decode_normals(ValueDecoder& values, NormalMode mode, std::span<const VertexLinks> links,
                     const CodedNode& node, CodedPart& part) {
   const std::size_t count = part.normals.size();
   std::vector<std::uint32_t> first(count);
@@ -199,18 +206,15 @@ void decode_normals(ValueDecoder& values, NormalMode mode, const std::vector<Ver
   Predictor predictor(mode, links, node, part);
   for (std::uint32_t v = 0; v < count; ++v) {
     const Projection projection = predictor.project_sum(v);
-    const std::array<std::int32_t, 2> expected = predictor.expected_miss(v);
-    const std::array<std::int32_t, 2> residual{to_signed(first[v]), to_signed(second[v])};
-    std::array<std::int32_t, 2> miss{};
-    std::array<std::int32_t, 2> cell{};
-    for (std::size_t k = 0; k < 2; ++k) {
-      const std::int32_t left = wrapped_byte(residual[k]);
-      miss[k] = wrapped_byte((projection.is_below[k] ? -left : left) + expected[k]);
-      cell[k] = (projection.cell[k] + miss[k]) & 255;
-    }
+    const Miss expected = predictor.expected_miss(v);
+    const Miss miss{wrapped_byte(projection.u_sign * wrapped_byte(to_signed(first[v])) + expected.u),
+                    wrapped_byte(projection.v_sign * wrapped_byte(to_signed(second[v])) + expected.v)};
     predictor.set_miss(v, miss);
-    if (projection.is_folded) cell = folded(cell);
-    part.normals[v] = {static_cast<std::uint8_t>(cell[0]), static_cast<std::uint8_t>(cell[1])};
+    std::int32_t u_cell = (projection.u + miss.u) & 255;
+    std::int32_t v_cell = (projection.v + miss.v) & 255;
+    if (projection.is_folded) fold(u_cell, v_cell);
+    part.normals[v][0] = static_cast<std::uint8_t>(u_cell);
+    part.normals[v][1] = static_cast<std::uint8_t>(v_cell);
   }
 }
 

@@ -19,9 +19,9 @@ inline constexpr std::size_t kNormalContexts = 2 + 2 * kNormalSizes;
 // The mode that gives the least misses over all parts.
 NormalMode choose_normal_mode(const CodedNode& node, const std::vector<std::vector<VertexLinks>>& links);
 
-void encode_normals(ValueEncoder& values, NormalMode mode, const std::vector<VertexLinks>& links,
+void encode_normals(ValueEncoder& values, NormalMode mode, std::span<const VertexLinks> links,
                     const CodedNode& node, const CodedPart& part);
-void decode_normals(ValueDecoder& values, NormalMode mode, const std::vector<VertexLinks>& links,
+void decode_normals(ValueDecoder& values, NormalMode mode, std::span<const VertexLinks> links,
                     const CodedNode& node, CodedPart& part);
 
 }  // namespace colossus::codec::predict

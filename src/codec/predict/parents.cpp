@@ -12,7 +12,7 @@ std::uint32_t choice_context(const VertexLinks& links) {
   return kChoice + (links.neighbor_count > 2 ? 1U : 0U);
 }
 
-std::uint32_t base_of(const std::vector<VertexLinks>& links, const std::vector<std::uint32_t>& parents,
+std::uint32_t base_of(std::span<const VertexLinks> links, const std::vector<std::uint32_t>& parents,
                       std::size_t v) {
   if (links[v].neighbor_count > 0) return parents[links[v].neighbors[0]];
   return v > 0 ? parents[v - 1] : 0;
@@ -20,7 +20,7 @@ std::uint32_t base_of(const std::vector<VertexLinks>& links, const std::vector<s
 
 }  // namespace
 
-void encode_parents(ValueEncoder& values, const std::vector<VertexLinks>& links, const CodedPart& part) {
+void encode_parents(ValueEncoder& values, std::span<const VertexLinks> links, const CodedPart& part) {
   const std::size_t count = part.parents.size();
   std::vector<std::uint32_t> differences;
   for (std::size_t v = 0; v < count; ++v) {
@@ -37,7 +37,7 @@ void encode_parents(ValueEncoder& values, const std::vector<VertexLinks>& links,
   values.end_batch();
 }
 
-void decode_parents(ValueDecoder& values, const std::vector<VertexLinks>& links, CodedPart& part) {
+void decode_parents(ValueDecoder& values, std::span<const VertexLinks> links, CodedPart& part) {
   const std::size_t count = part.parents.size();
   std::vector<std::uint32_t> choices(count);
   values.get_batch(choices, [&](std::size_t v) { return choice_context(links[v]); });

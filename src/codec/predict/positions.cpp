@@ -26,11 +26,37 @@ std::uint32_t face_across_context(std::uint32_t along) {
   return kFaceAcross + (size < 4 ? 0 : size < 24 ? 1 : 2);
 }
 
+// Coordinates in an order in which the plane's steepest comes last: x y z, y z x or z x y. Chosen by
+// conditional moves; indexed arrays would go through memory.
+template <typename T>
+struct Triple {
+  T first;
+  T second;
+  T last;
+};
+template <typename T>
+Triple<T> rotated(T x, T y, T z, std::uint32_t steepest) {
+  const bool is_x = steepest == 0;
+  const bool is_y = steepest == 1;
+  return {is_x ? y : is_y ? z : x, is_x ? z : is_y ? x : y, is_x ? x : is_y ? y : z};
+}
+template <typename T>
+Triple<T> unrotated(T first, T second, T last, std::uint32_t steepest) {
+  const bool is_x = steepest == 0;
+  const bool is_y = steepest == 1;
+  return {is_x ? last : is_y ? second : first, is_x ? first : is_y ? last : second,
+          is_x ? second : is_y ? first : last};
+}
+
 // A plane, and the point on it that parallelograms lead to.
 struct Prediction {
-  Vector point{};
-  LongVector normal{};
-  std::size_t steepest = 0;
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+  std::int32_t z = 0;
+  std::int64_t x_normal = 0;
+  std::int64_t y_normal = 0;
+  std::int64_t z_normal = 0;
+  std::uint32_t steepest = 0;
 };
 
 // A face of the tetrahedron as a target: which weights are free, which of them is coded first, and where.
@@ -45,7 +71,7 @@ struct FacePrediction {
 
 class Predictor {
  public:
-  Predictor(const Basis& basis, const std::vector<VertexLinks>& links, const CodedNode& node,
+  Predictor(const Basis& basis, std::span<const VertexLinks> links, const CodedNode& node,
             std::size_t vertex_count)
       : basis_(basis),
         links_(links),
@@ -100,62 +126,64 @@ class Predictor {
     Prediction prediction;
     const VertexLinks& links = links_[v];
     if (links.relation_count == 0) {
-      if (v > 0) prediction.point = points_[v - 1];
+      if (v == 0) return prediction;
+      prediction.x = points_[v - 1][0];
+      prediction.y = points_[v - 1][1];
+      prediction.z = points_[v - 1][2];
       return prediction;
     }
     const Vector& p = points_[links.relations[0].first];
     const Vector& q = points_[links.relations[0].second];
     const Vector& r = points_[links.relations[0].opposite];
-    // The first counts twice.
-    std::array<std::int64_t, 3> sum{};
-    for (std::size_t i = 0; i < 3; ++i) sum[i] = 2 + 2 * (std::int64_t{p[i]} + q[i] - r[i]);
-    for (std::size_t k = 1; k < kMostRelations; ++k) {
-      const Relation& relation = links.relations[k];
-      for (std::size_t i = 0; i < 3; ++i)
-        sum[i] += std::int64_t{points_[relation.first][i]} + points_[relation.second][i] -
-                  points_[relation.opposite][i];
-    }
-    for (std::size_t i = 0; i < 3; ++i) prediction.point[i] = static_cast<std::int32_t>(sum[i] >> 2);
-    prediction.normal = normal_of(p, q, r);
-    for (std::size_t i = 1; i < 3; ++i)
-      if (std::abs(prediction.normal[i]) > std::abs(prediction.normal[prediction.steepest]))
-        prediction.steepest = i;
+    prediction.x = mean(links, 0);
+    prediction.y = mean(links, 1);
+    prediction.z = mean(links, 2);
+    const std::int64_t ax = wrapped_difference(q[0], p[0]) >> shift_;
+    const std::int64_t ay = wrapped_difference(q[1], p[1]) >> shift_;
+    const std::int64_t az = wrapped_difference(q[2], p[2]) >> shift_;
+    const std::int64_t bx = wrapped_difference(r[0], p[0]) >> shift_;
+    const std::int64_t by = wrapped_difference(r[1], p[1]) >> shift_;
+    const std::int64_t bz = wrapped_difference(r[2], p[2]) >> shift_;
+    const std::int64_t nx = ay * bz - az * by;
+    const std::int64_t ny = az * bx - ax * bz;
+    const std::int64_t nz = ax * by - ay * bx;
+    const int excess = excess_bits(nx, ny, nz, kNormalBits);
+    prediction.x_normal = nx >> excess;
+    prediction.y_normal = ny >> excess;
+    prediction.z_normal = nz >> excess;
+    const std::int64_t x_size = std::abs(prediction.x_normal);
+    const std::int64_t y_size = std::abs(prediction.y_normal);
+    prediction.steepest = y_size > x_size ? 1 : 0;
+    if (std::abs(prediction.z_normal) > std::max(x_size, y_size)) prediction.steepest = 2;
     return prediction;
   }
 
   // Where the plane is at the given distances from the predicted point.
   static std::int32_t height(const Prediction& prediction, std::int32_t first, std::int32_t second) {
-    const std::size_t m = prediction.steepest;
-    std::int64_t slope = prediction.normal[m];
-    if (slope == 0) return 0;
-    std::int64_t rise = -(prediction.normal[(m + 1) % 3] * first + prediction.normal[(m + 2) % 3] * second);
-    if (slope < 0) {
-      slope = -slope;
-      rise = -rise;
-    }
-    return static_cast<std::int32_t>(rounded_quotient(rise, slope));
+    const auto normal =
+        rotated(prediction.x_normal, prediction.y_normal, prediction.z_normal, prediction.steepest);
+    if (normal.last == 0) return 0;
+    const std::int64_t rise = normal.first * first + normal.second * second;
+    return static_cast<std::int32_t>(
+        rounded_quotient(normal.last < 0 ? rise : -rise, std::abs(normal.last)));
   }
 
   FacePrediction predict_on_face(const Prediction& prediction, std::uint32_t face) const;
 
  private:
-  LongVector normal_of(const Vector& p, const Vector& q, const Vector& r) const {
-    LongVector a{};
-    LongVector b{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      a[i] = wrapped_difference(q[i], p[i]) >> shift_;
-      b[i] = wrapped_difference(r[i], p[i]) >> shift_;
-    }
-    LongVector n{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    limit(n, kNormalBits);
-    return n;
+  // Of the parallelograms' ends, of which the first counts twice.
+  std::int32_t mean(const VertexLinks& links, std::size_t axis) const {
+    const auto end = [&](const Relation& relation) {
+      return std::int64_t{points_[relation.first][axis]} + points_[relation.second][axis] -
+             points_[relation.opposite][axis];
+    };
+    return static_cast<std::int32_t>(
+        (2 * end(links.relations[0]) + end(links.relations[1]) + end(links.relations[2]) + 2) >> 2);
   }
 
-  static void limit(LongVector& n, int bits) {
-    const auto size = static_cast<std::uint64_t>(std::abs(n[0]) | std::abs(n[1]) | std::abs(n[2]));
-    const int excess = static_cast<int>(std::bit_width(size)) - bits;
-    if (excess > 0)
-      for (auto& entry : n) entry >>= excess;
+  static int excess_bits(std::int64_t x, std::int64_t y, std::int64_t z, int bits) {
+    const auto size = static_cast<std::uint64_t>(std::abs(x) | std::abs(y) | std::abs(z));
+    return std::max(0, static_cast<int>(std::bit_width(size)) - bits);
   }
 
   LongVector direction_of(const LongVector& gradient) const {
@@ -166,7 +194,7 @@ class Predictor {
   }
 
   const Basis& basis_;
-  const std::vector<VertexLinks>& links_;
+  std::span<const VertexLinks> links_;
   bool is_cube_;
   std::uint32_t one_;
   int shift_;
@@ -183,13 +211,16 @@ std::int64_t dot(const LongVector& a, const LongVector& b) {
 // The shortest way within the plane is along s * direction(face) + t * direction(plane), where direction()
 // makes the vector of a gradient.
 FacePrediction Predictor::predict_on_face(const Prediction& prediction, std::uint32_t face) const {
-  Coordinates start = weights_of(prediction.point);
+  Vector end{prediction.x, prediction.y, prediction.z};
+  Coordinates start = weights_of(end);
   LongVector gradient{};
   for (std::size_t i = 0; i < 3; ++i)
     gradient[i] = face < 3 ? basis_.to_weights[face][i]
                            : -(basis_.to_weights[0][i] + basis_.to_weights[1][i] + basis_.to_weights[2][i]);
-  LongVector normal = prediction.normal;
-  limit(normal, kFaceNormalBits);
+  const int excess =
+      excess_bits(prediction.x_normal, prediction.y_normal, prediction.z_normal, kFaceNormalBits);
+  const LongVector normal{prediction.x_normal >> excess, prediction.y_normal >> excess,
+                          prediction.z_normal >> excess};
   const LongVector face_way = direction_of(gradient);
   const LongVector plane_way = direction_of(normal);
   const std::int64_t a = dot(gradient, face_way);
@@ -198,7 +229,6 @@ FacePrediction Predictor::predict_on_face(const Prediction& prediction, std::uin
   const std::int64_t area = wrapped_difference(wrapped_product(a, c), wrapped_product(b, b));
   const auto distance = static_cast<std::int32_t>(start[face]);
   if (area > 0) {
-    Vector end = prediction.point;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::int64_t back =
           wrapped_difference(wrapped_product(plane_way[i], b), wrapped_product(face_way[i], c));
@@ -235,12 +265,10 @@ std::int32_t face_height(const FacePrediction& face, std::int32_t along) {
   return static_cast<std::int32_t>(rounded_quotient(face.slope_numerator * along, face.slope_denominator));
 }
 
-std::uint32_t relation_context(const VertexLinks& links) { return links.relation_count; }
-
 }  // namespace
 
 void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& values, const Basis& basis,
-                      const std::vector<VertexLinks>& links, const CodedNode& node, const CodedPart& part) {
+                      std::span<const VertexLinks> links, const CodedNode& node, const CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   Predictor predictor(basis, links, node, count);
   struct Along {
@@ -263,15 +291,13 @@ void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& val
     const Vector point = predictor.point_of(weights);
     predictor.set_point(v, point);
     if (face == kNoFace) {
-      const std::size_t m = prediction.steepest;
-      Vector miss{};
-      for (std::size_t i = 0; i < 3; ++i) miss[i] = wrapped_difference(point[i], prediction.point[i]);
-      const std::int32_t first = miss[(m + 1) % 3];
-      const std::int32_t second = miss[(m + 2) % 3];
-      along.push_back({kAlong + relation_context(links[v]), to_unsigned(first)});
-      along.push_back({kAlong + relation_context(links[v]), to_unsigned(second)});
-      across.push_back(
-          to_unsigned(wrapped_difference(miss[m], Predictor::height(prediction, first, second))));
+      const auto miss = rotated(
+          wrapped_difference(point[0], prediction.x), wrapped_difference(point[1], prediction.y),
+          wrapped_difference(point[2], prediction.z), prediction.steepest);
+      along.push_back({kAlong + links[v].relation_count, to_unsigned(miss.first)});
+      along.push_back({kAlong + links[v].relation_count, to_unsigned(miss.second)});
+      across.push_back(to_unsigned(
+          wrapped_difference(miss.last, Predictor::height(prediction, miss.first, miss.second))));
     } else {
       const FacePrediction on_face = predictor.predict_on_face(prediction, face);
       const auto first = static_cast<std::int32_t>(weights[on_face.first] - on_face.point[on_face.first]);
@@ -293,7 +319,7 @@ void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& val
 }
 
 void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& values, const Basis& basis,
-                      const std::vector<VertexLinks>& links, const CodedNode& node, CodedPart& part) {
+                      std::span<const VertexLinks> links, const CodedNode& node, CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   Predictor predictor(basis, links, node, count);
   std::vector<std::uint8_t> face_of(count);
@@ -308,7 +334,7 @@ void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& val
     }
     face_of[v] = static_cast<std::uint8_t>(face);
     if (face == kNoFace)
-      contexts.push_back(static_cast<std::uint8_t>(kAlong + relation_context(links[v])));
+      contexts.push_back(static_cast<std::uint8_t>(kAlong + links[v].relation_count));
     else
       face_contexts.push_back(static_cast<std::uint8_t>(kFaceAlong + (links[v].relation_count > 0 ? 1 : 0)));
   }
@@ -327,14 +353,13 @@ void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& val
     const Prediction prediction = predictor.predict(v);
     Coordinates& weights = part.positions[v];
     if (face_of[v] == kNoFace) {
-      const std::size_t m = prediction.steepest;
       const std::int32_t first = to_signed(along[2 * next]);
       const std::int32_t second = to_signed(along[2 * next + 1]);
-      Vector point = prediction.point;
-      point[(m + 1) % 3] = wrapped_sum(point[(m + 1) % 3], first);
-      point[(m + 2) % 3] = wrapped_sum(point[(m + 2) % 3], second);
-      point[m] = wrapped_sum(
-          point[m], wrapped_sum(to_signed(across[next]), Predictor::height(prediction, first, second)));
+      const std::int32_t last =
+          wrapped_sum(to_signed(across[next]), Predictor::height(prediction, first, second));
+      const auto miss = unrotated(first, second, last, prediction.steepest);
+      const Vector point{wrapped_sum(prediction.x, miss.first), wrapped_sum(prediction.y, miss.second),
+                         wrapped_sum(prediction.z, miss.last)};
       ++next;
       weights = predictor.weights_of(point);
       predictor.set_point(v, point);

@@ -1,5 +1,7 @@
 #include "codec/predict/predict.hpp"
 
+#include <memory>
+
 #include "codec/predict/colors.hpp"
 #include "codec/predict/connectivity.hpp"
 #include "codec/predict/normals.hpp"
@@ -26,7 +28,8 @@ Sections encode_predicted(const CodedNode& node) {
   ValueEncoder parents(kParentContexts);
   std::vector<std::vector<VertexLinks>> links;
   for (const CodedPart& part : node.parts) {
-    links.push_back(encode_connectivity(bits, symbols, part));
+    links.emplace_back(part.positions.size());
+    encode_connectivity(bits, symbols, part, links.back());
     encode_positions(bits, faces, positions, basis_of(part.frame), links.back(), node, part);
     if (node.has_colors) encode_colors(colors, links.back(), part);
     if (node.has_parents) encode_parents(parents, links.back(), part);
@@ -63,13 +66,17 @@ std::optional<Defect> decode_predicted(const SectionViews& sections, CodedNode& 
   ValueDecoder normals(normal_bytes, node.has_normals ? kNormalContexts : 0);
   ValueDecoder colors(section(Component::kColors), node.has_colors ? kColorContexts : 0);
   ValueDecoder parents(section(Component::kParents), node.has_parents ? kParentContexts : 0);
+  std::size_t most = 0;
+  for (const CodedPart& part : node.parts) most = std::max(most, part.positions.size());
+  const auto all_links = std::make_unique_for_overwrite<VertexLinks[]>(most);
   for (CodedPart& part : node.parts) {
-    const auto links = decode_connectivity(bits, symbols, part);
-    if (!links) return Defect{"the connectivity makes no sense", 0};
-    decode_positions(bits, faces, positions, basis_of(part.frame), *links, node, part);
-    if (node.has_normals) decode_normals(normals, mode, *links, node, part);
-    if (node.has_colors) decode_colors(colors, *links, part);
-    if (node.has_parents) decode_parents(parents, *links, part);
+    const std::span links(all_links.get(), part.positions.size());
+    if (!decode_connectivity(bits, symbols, part, links))
+      return Defect{"the connectivity makes no sense", 0};
+    decode_positions(bits, faces, positions, basis_of(part.frame), links, node, part);
+    if (node.has_normals) decode_normals(normals, mode, links, node, part);
+    if (node.has_colors) decode_colors(colors, links, part);
+    if (node.has_parents) decode_parents(parents, links, part);
   }
   if (!positions.is_done()) return Defect{"the positions are not as long as they should be", 0};
   if (!normals.is_done()) return Defect{"the normals are not as long as they should be", 0};

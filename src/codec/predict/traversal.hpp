@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -36,6 +37,14 @@ struct Relation {
   std::uint32_t first;
   std::uint32_t second;
   std::uint32_t opposite;
+
+  // Field by field, and so are other small structs that are written here and read soon: compilers copy whole
+  // ones in wide pieces, which then wait for the narrow stores that they are made of.
+  void set(std::uint32_t p, std::uint32_t q, std::uint32_t r) {
+    first = p;
+    second = q;
+    opposite = r;
+  }
 };
 
 inline constexpr std::size_t kMostRelations = 3;
@@ -45,17 +54,17 @@ inline constexpr std::size_t kMostNeighbors = 4;
 // of those that are missing hold copies of others, so that a mean needs no branch: one relation stands three
 // times, the second of two twice; of neighbours a come a a a a, of a, b come a b a b, of a, b, c come a b c b.
 struct VertexLinks {
-  std::array<Relation, kMostRelations> relations;
-  std::array<std::uint32_t, kMostNeighbors> neighbors;
+  std::array<Relation, kMostRelations> relations{};
+  std::array<std::uint32_t, kMostNeighbors> neighbors{};
   std::uint8_t relation_count = 0;
   std::uint8_t neighbor_count = 0;
   bool is_border = false;
 
-  void add(const Relation& relation) {
+  void add_relation(std::uint32_t p, std::uint32_t q, std::uint32_t r) {
     if (relation_count == kMostRelations) return;
-    for (std::size_t k = relation_count++; k < kMostRelations; ++k) relations[k] = relation;
+    for (std::size_t k = relation_count++; k < kMostRelations; ++k) relations[k].set(p, q, r);
   }
-  void add(std::uint32_t neighbor) {
+  void add_neighbor(std::uint32_t neighbor) {
     if (neighbor_count == kMostNeighbors) return;
     if (neighbor_count == 0) neighbors.fill(neighbor);
     if (neighbor_count == 1) neighbors[3] = neighbor;
@@ -95,28 +104,30 @@ enum class GateOrigin : std::uint8_t { kSeed0, kSeed1, kSeed2, kSecondToThird, k
 template <typename Source>
 class Traversal {
  public:
-  // As many triangles as there is room for, written as they come.
-  Traversal(Source& source, std::size_t vertex_count, std::span<mesh::Triangle> triangles)
-      : source_(source), triangles_(triangles), links_(vertex_count), vertices_(vertex_count) {
-    gates_.reserve(2 * triangles.size());
-  }
+  // As many triangles as there is room for, written as they come; links for all vertices.
+  Traversal(Source& source, std::span<mesh::Triangle> triangles, std::span<VertexLinks> links)
+      : source_(source),
+        triangles_(triangles),
+        links_(links),
+        // A triangle opens three gates at most.
+        gates_(std::make_unique_for_overwrite<Gate[]>(3 * triangles.size())),
+        vertices_(links.size()) {}
 
   // Whether the source made sense.
   bool run() {
     while (triangle_count_ < triangles_.size()) {
-      if (served_ == gates_.size()) {
+      if (served_ == gate_count_) {
         if (!begin()) return false;
       } else {
         if (gates_[served_].state == State::kOpen && !serve(served_)) return false;
         ++served_;
       }
     }
-    for (; served_ < gates_.size(); ++served_)
+    for (; served_ < gate_count_; ++served_)
       if (gates_[served_].state == State::kOpen) mark_border(served_);
+    std::fill(links_.begin() + known_, links_.end(), VertexLinks{});
     return true;
   }
-
-  std::vector<VertexLinks> take_links() { return std::move(links_); }
 
  private:
   enum class State : std::uint8_t { kOpen, kBorder, kDone };
@@ -133,8 +144,13 @@ class Traversal {
   };
 
   std::uint32_t open(std::uint32_t from, std::uint32_t opposite, GateOrigin origin) {
-    const auto gate = static_cast<std::uint32_t>(gates_.size());
-    gates_.push_back({from, opposite, gate, gate, State::kOpen});
+    const std::uint32_t gate = gate_count_++;
+    Gate& g = gates_[gate];
+    g.from = from;
+    g.opposite = opposite;
+    g.next = gate;
+    g.before = gate;
+    g.state = State::kOpen;
     vertices_[from].gate = gate;
     source_.opened(gate, origin);
     return gate;
@@ -148,7 +164,7 @@ class Traversal {
     const auto [p, q, r] = source_.seed(known_);
     for (const std::uint32_t v : {p, q, r}) {
       if (v > known_ || v >= vertices_.size()) return false;
-      if (v == known_) ++known_;
+      if (v == known_) links_[known_++] = {};
     }
     emit(p, q, r);
     connect(p, q);
@@ -224,10 +240,12 @@ class Traversal {
     const std::uint32_t third = known_++;
     emit(a, b, third);
     VertexLinks& links = links_[third];
-    links.relations.fill({a, b, opposite});
+    for (Relation& relation : links.relations) relation.set(a, b, opposite);
     links.relation_count = 1;
-    links.neighbors = {a, b, a, b};
+    links.neighbors[0] = links.neighbors[2] = a;
+    links.neighbors[1] = links.neighbors[3] = b;
     links.neighbor_count = 2;
+    links.is_border = false;
     const std::uint32_t left = open(a, b, GateOrigin::kThirdToFirst);
     const std::uint32_t right = open(third, a, GateOrigin::kSecondToThird);
     link(left, right);
@@ -293,15 +311,21 @@ class Traversal {
   }
 
   void emit(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    triangles_[triangle_count_++] = {a, b, c};
-    for (const std::uint32_t v : {a, b, c}) {
-      std::uint8_t& valence = vertices_[v].valence;
-      valence = static_cast<std::uint8_t>(valence + (valence < kMostValence ? 1 : 0));
-    }
+    mesh::Triangle& triangle = triangles_[triangle_count_++];
+    triangle[0] = a;
+    triangle[1] = b;
+    triangle[2] = c;
+    count_triangle(a);
+    count_triangle(b);
+    count_triangle(c);
+  }
+  void count_triangle(std::uint32_t v) {
+    std::uint8_t& valence = vertices_[v].valence;
+    valence = static_cast<std::uint8_t>(valence + (valence < kMostValence ? 1 : 0));
   }
 
   void connect(std::uint32_t v, std::uint32_t w) {
-    if (v != w) links_[std::max(v, w)].add(std::min(v, w));
+    if (v != w) links_[std::max(v, w)].add_neighbor(std::min(v, w));
   }
 
   // Two triangles share the edge pq and have third vertices r and s.
@@ -309,17 +333,18 @@ class Traversal {
     const std::uint32_t end = std::max(p, q);
     const std::uint32_t tip = std::max(r, s);
     if (tip > end) {
-      if (r != s) links_[tip].add(Relation{p, q, std::min(r, s)});
+      if (r != s) links_[tip].add_relation(p, q, std::min(r, s));
     } else if (end > tip && p != q) {
-      links_[end].add(Relation{r, s, std::min(p, q)});
+      links_[end].add_relation(r, s, std::min(p, q));
     }
   }
 
   Source& source_;
   std::span<mesh::Triangle> triangles_;
   std::size_t triangle_count_ = 0;
-  std::vector<VertexLinks> links_;
-  std::vector<Gate> gates_;
+  std::span<VertexLinks> links_;
+  std::unique_ptr<Gate[]> gates_;
+  std::uint32_t gate_count_ = 0;
   std::vector<Vertex> vertices_;
   std::uint32_t served_ = 0;
   std::uint32_t known_ = 0;
