@@ -164,8 +164,9 @@ core::Bytes ValueEncoder::finish() {
 }
 
 ValueDecoder::ValueDecoder(std::span<const std::byte> bytes, std::size_t context_count) {
-  tables_.resize(context_count);
-  slots_.resize(context_count > 0 ? kSlots : 0);
+  numbers_.resize(context_count);
+  tables_.reserve(context_count + 1);
+  tables_.emplace_back();
   if (bytes.empty()) {
     states_.fill(kLeastState);
     return;
@@ -182,12 +183,14 @@ ValueDecoder::ValueDecoder(std::span<const std::byte> bytes, std::size_t context
   for (std::size_t c = 0; c < context_count; ++c) {
     const Frequencies frequencies = normalized(model.get(tables));
     if (std::all_of(frequencies.begin(), frequencies.end(), [](std::uint16_t f) { return f == 0; })) continue;
-    tables_[c] = static_cast<std::uint32_t>(slots_.size());
-    slots_.resize(slots_.size() + kSlots);
-    auto slot = slots_.begin() + tables_[c];
+    numbers_[c] = static_cast<std::uint8_t>(tables_.size());
+    Table& table = tables_.emplace_back();
+    table.frequencies = frequencies;
+    std::uint32_t start = 0;
     for (std::uint32_t t = 0; t < kTokens; ++t) {
-      const std::uint32_t frequency = frequencies[t];
-      for (std::uint32_t i = 0; i < frequency; ++i) *slot++ = frequency << 20 | i << 8 | t;
+      table.starts[t] = static_cast<std::uint16_t>(start);
+      std::fill_n(table.tokens.begin() + start, frequencies[t], static_cast<std::uint8_t>(t));
+      start += frequencies[t];
     }
   }
 }

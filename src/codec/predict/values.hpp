@@ -17,7 +17,7 @@
 
 namespace colossus::codec::predict {
 
-inline constexpr int kSlotBits = 11;
+inline constexpr int kSlotBits = 10;
 inline constexpr std::uint32_t kSlots = 1 << kSlotBits;
 inline constexpr std::uint32_t kTokens = 128;
 inline constexpr std::size_t kLanes = 4;
@@ -85,22 +85,21 @@ class ValueDecoder {
   void get_batch(std::span<std::uint32_t> values, ContextOf context_of) {
     const std::size_t count = values.size();
     std::array<std::uint32_t, kLanes> x = states_;
-    const std::uint32_t* const slots = slots_.data();
-    const std::uint32_t* const tables = tables_.data();
+    const Table* const tables = tables_.data();
     const std::byte* word = words_.data() + word_;
     const std::byte* const safe_end = words_.data() + words_.size() - std::min(words_.size(), 2 * kLanes);
-    const auto lookup = [&](std::size_t at, std::uint32_t state) {
-      return slots[tables[context_of(at)] + (state & (kSlots - 1))];
-    };
-    const auto advance = [](std::uint32_t slot, std::uint32_t state) {
-      return (slot >> 20) * (state >> kSlotBits) + (slot >> 8 & 0xfffU);
+    // Sets the value to its token, and returns the state behind it.
+    const auto take = [&](std::size_t at, std::uint32_t state) {
+      const Table& table = tables[numbers_[context_of(at)]];
+      const std::uint32_t slot = state & (kSlots - 1);
+      const std::uint8_t token = table.tokens[slot];
+      values[at] = token;
+      return table.frequencies[token] * (state >> kSlotBits) + slot - table.starts[token];
     };
     std::size_t i = 0;
     for (; i + kLanes <= count && word <= safe_end && words_.size() >= 2 * kLanes; i += kLanes)
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const std::uint32_t slot = lookup(i + lane, x[lane]);
-        values[i + lane] = slot & 0xffU;
-        const std::uint32_t state = advance(slot, x[lane]);
+        const std::uint32_t state = take(i + lane, x[lane]);
         std::uint16_t next = 0;
         std::memcpy(&next, word, sizeof next);
         const bool is_low = state < kLeastState;
@@ -110,9 +109,7 @@ class ValueDecoder {
     word_ = static_cast<std::size_t>(word - words_.data());
     for (; i < count; ++i) {
       std::uint32_t& state = x[i % kLanes];
-      const std::uint32_t slot = lookup(i, state);
-      values[i] = slot & 0xffU;
-      state = advance(slot, state);
+      state = take(i, state);
       if (state < kLeastState) state = state << 16 | next_word();
     }
     states_ = x;
@@ -131,9 +128,15 @@ class ValueDecoder {
   std::uint32_t raw_bits(std::uint32_t count);
 
   bool is_valid_ = true;
-  std::vector<std::uint32_t> tables_;  // where in slots_ that of each context begins
+  // Small enough that those of a component stay in the first cache.
+  struct Table {
+    std::array<std::uint8_t, kSlots> tokens{};
+    std::array<std::uint16_t, kTokens> frequencies{};
+    std::array<std::uint16_t, kTokens> starts{};
+  };
   // Of the contexts that occur, and first one of zeros, for bytes that use another.
-  std::vector<std::uint32_t> slots_;  // frequency << 20 | slot within the token << 8 | token
+  std::vector<Table> tables_;
+  std::vector<std::uint8_t> numbers_;  // which table each context has
   std::array<std::uint32_t, kLanes> states_{};
   std::span<const std::byte> words_;
   std::size_t word_ = 0;
