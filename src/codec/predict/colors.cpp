@@ -1,5 +1,7 @@
 #include "codec/predict/colors.hpp"
 
+#include <algorithm>
+
 namespace colossus::codec::predict {
 namespace {
 
@@ -10,8 +12,8 @@ constexpr std::uint32_t kOrange = 2;  // by the size of the luma
 constexpr std::uint32_t kGreen = 5;   // likewise
 constexpr std::uint32_t kOpacity = 8;
 
-std::uint32_t luma_context(const VertexLinks& links) { return kLuma + (links.neighbor_count > 2 ? 1U : 0U); }
-std::uint32_t size_class(std::uint32_t luma) { return luma < 6 ? 0U : luma < 18 ? 1U : 2U; }
+std::uint32_t luma_context(std::uint8_t kind) { return kLuma + (neighbors_of(kind) > 2 ? 1U : 0U); }
+std::uint32_t size_class(std::uint32_t luma) { return class_of(luma, 6, 18); }
 
 // Colours in lanes of 16 bits, so that four channels are added at once.
 using Lanes = std::uint64_t;
@@ -31,13 +33,13 @@ Lanes predict(const VertexLinks& links, const std::vector<Lanes>& colors, std::s
 
 }  // namespace
 
-void encode_colors(ValueEncoder& values, std::span<const VertexLinks> links, const CodedPart& part) {
+void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& part) {
   const std::size_t count = part.colors.size();
   std::vector<Channels> residuals(count);
   std::vector<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
     colors[v] = to_lanes(part.colors[v]);
-    const Lanes prediction = predict(links[v], colors, v);
+    const Lanes prediction = predict(links.of[v], colors, v);
     Channels d{};
     for (std::size_t c = 0; c < 4; ++c)
       d[c] = part.colors[v][c] - static_cast<std::int32_t>(prediction >> 16 * c & 255);
@@ -50,20 +52,23 @@ void encode_colors(ValueEncoder& values, std::span<const VertexLinks> links, con
     for (std::size_t v = 0; v < count; ++v) values.put(context_of(v), to_unsigned(residuals[v][channel]));
     values.end_batch();
   };
-  put(0, [&](std::size_t v) { return luma_context(links[v]); });
+  put(0, [&](std::size_t v) { return luma_context(links.kinds[v]); });
   put(1, [&](std::size_t v) { return kOrange + size_class(to_unsigned(residuals[v][0])); });
   put(2, [&](std::size_t v) { return kGreen + size_class(to_unsigned(residuals[v][0])); });
   put(3, [&](std::size_t) { return kOpacity; });
 }
 
-void decode_colors(ValueDecoder& values, std::span<const VertexLinks> links, CodedPart& part) {
+void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part) {
   const std::size_t count = part.colors.size();
   std::array<std::vector<std::uint32_t>, 4> read;
   for (auto& channel : read) channel.resize(count);
-  values.get_batch(read[0], [&](std::size_t v) { return luma_context(links[v]); });
+  values.get_batch(read[0], [&](std::size_t v) { return luma_context(links.kinds[v]); });
   values.get_batch(read[1], [&](std::size_t v) { return kOrange + size_class(read[0][v]); });
   values.get_batch(read[2], [&](std::size_t v) { return kGreen + size_class(read[0][v]); });
-  values.get_batch(read[3], [](std::size_t) { return kOpacity; });
+  if (const auto opacity = values.only_value(kOpacity))
+    std::fill(read[3].begin(), read[3].end(), *opacity);
+  else
+    values.get_batch(read[3], [](std::size_t) { return kOpacity; });
   std::vector<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
     const std::int32_t green = to_signed(read[2][v]);
@@ -75,7 +80,7 @@ void decode_colors(ValueDecoder& values, std::span<const VertexLinks> links, Cod
                           static_cast<std::uint8_t>(blue), static_cast<std::uint8_t>(to_signed(read[3][v]))});
   }
   for (std::size_t v = 0; v < count; ++v) {
-    const Lanes color = (colors[v] + predict(links[v], colors, v)) & 255 * kEachLane;
+    const Lanes color = (colors[v] + predict(links.of[v], colors, v)) & 255 * kEachLane;
     colors[v] = color;
     for (std::size_t c = 0; c < 4; ++c) part.colors[v][c] = static_cast<std::uint8_t>(color >> 16 * c);
   }

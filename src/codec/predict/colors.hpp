@@ -11,7 +11,7 @@ namespace colossus::codec::predict {
 
 inline constexpr std::size_t kColorContexts = 2 + 3 + 3 + 1;
 
-void encode_colors(ValueEncoder& values, std::span<const VertexLinks> links, const CodedPart& part);
-void decode_colors(ValueDecoder& values, std::span<const VertexLinks> links, CodedPart& part);
+void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& part);
+void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part);
 
 }  // namespace colossus::codec::predict

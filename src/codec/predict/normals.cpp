@@ -100,10 +100,8 @@ inline void fold(std::int32_t& u, std::int32_t& v) {
 
 constexpr std::int32_t wrapped_byte(std::int32_t value) { return static_cast<std::int8_t>(value & 255); }
 
-std::uint32_t second_context(const VertexLinks& links, std::uint32_t first) {
-  const auto size = std::min<std::uint32_t>(
-      static_cast<std::uint32_t>(std::bit_width((first >> 1) + (first & 1U))), kNormalSizes - 1);
-  return 2 + (links.is_border ? kNormalSizes : 0) + size;
+std::uint32_t second_context(std::uint8_t kind, std::uint32_t first) {
+  return 2 + kNormalSizes * static_cast<std::uint32_t>(is_border(kind)) + class_of(first, 1, 3, 7, 15, 31);
 }
 
 struct Miss {
@@ -113,9 +111,9 @@ struct Miss {
 
 class Predictor {
  public:
-  Predictor(NormalMode mode, std::span<const VertexLinks> links, const CodedNode& node,
+  Predictor(NormalMode mode, const Links& links, const CodedNode& node,
             const CodedPart& part)
-      : links_(links), expects_misses_(mode != NormalMode::kSum), sums_(face_sums(node, part)) {
+      : links_(links.of), expects_misses_(mode != NormalMode::kSum), sums_(face_sums(node, part)) {
     if (mode == NormalMode::kSmoothed) sums_ = smoothed(sums_, part, 8);
     if (mode == NormalMode::kMoreSmoothed) sums_ = smoothed(sums_, part, 3);
     if (expects_misses_) misses_.resize(sums_.size());
@@ -148,7 +146,7 @@ class Predictor {
 
 // Calls back with what is left of each normal, in order.
 template <typename Take>
-void for_each_residual(NormalMode mode, std::span<const VertexLinks> links, const CodedNode& node,
+void for_each_residual(NormalMode mode, const Links& links, const CodedNode& node,
                        const CodedPart& part, Take take) {
   Predictor predictor(mode, links, node, part);
   for (std::uint32_t v = 0; v < part.normals.size(); ++v) {
@@ -167,7 +165,7 @@ void for_each_residual(NormalMode mode, std::span<const VertexLinks> links, cons
 
 }  // namespace
 
-NormalMode choose_normal_mode(const CodedNode& node, const std::vector<std::vector<VertexLinks>>& links) {
+NormalMode choose_normal_mode(const CodedNode& node, const std::vector<Links>& links) {
   auto best = NormalMode::kSum;
   std::uint64_t least = ~std::uint64_t{0};
   for (std::uint8_t m = 0; m < kNormalModes; ++m) {
@@ -184,25 +182,25 @@ NormalMode choose_normal_mode(const CodedNode& node, const std::vector<std::vect
   return best;
 }
 
-void encode_normals(ValueEncoder& values, NormalMode mode, std::span<const VertexLinks> links,
+void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links,
                     const CodedNode& node, const CodedPart& part) {
   std::vector<std::array<std::uint32_t, 2>> residuals(part.normals.size());
   for_each_residual(mode, links, node, part,
                     [&](std::uint32_t v, const std::array<std::uint32_t, 2>& r) { residuals[v] = r; });
-  for (std::size_t v = 0; v < residuals.size(); ++v) values.put(links[v].is_border ? 1 : 0, residuals[v][0]);
+  for (std::size_t v = 0; v < residuals.size(); ++v) values.put(is_border(links.kinds[v]) ? 1 : 0, residuals[v][0]);
   values.end_batch();
   for (std::size_t v = 0; v < residuals.size(); ++v)
-    values.put(second_context(links[v], residuals[v][0]), residuals[v][1]);
+    values.put(second_context(links.kinds[v], residuals[v][0]), residuals[v][1]);
   values.end_batch();
 }
 
-void decode_normals(ValueDecoder& values, NormalMode mode, std::span<const VertexLinks> links,
+void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links,
                     const CodedNode& node, CodedPart& part) {
   const std::size_t count = part.normals.size();
   std::vector<std::uint32_t> first(count);
   std::vector<std::uint32_t> second(count);
-  values.get_batch(first, [&](std::size_t v) { return links[v].is_border ? 1U : 0U; });
-  values.get_batch(second, [&](std::size_t v) { return second_context(links[v], first[v]); });
+  values.get_batch(first, [&](std::size_t v) { return is_border(links.kinds[v]) ? 1U : 0U; });
+  values.get_batch(second, [&](std::size_t v) { return second_context(links.kinds[v], first[v]); });
   Predictor predictor(mode, links, node, part);
   for (std::uint32_t v = 0; v < count; ++v) {
     const Projection projection = predictor.project_sum(v);

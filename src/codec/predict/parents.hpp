@@ -9,7 +9,7 @@ namespace colossus::codec::predict {
 
 inline constexpr std::size_t kParentContexts = 3;
 
-void encode_parents(ValueEncoder& values, std::span<const VertexLinks> links, const CodedPart& part);
-void decode_parents(ValueDecoder& values, std::span<const VertexLinks> links, CodedPart& part);
+void encode_parents(ValueEncoder& values, const Links& links, const CodedPart& part);
+void decode_parents(ValueDecoder& values, const Links& links, CodedPart& part);
 
 }  // namespace colossus::codec::predict

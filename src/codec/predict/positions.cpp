@@ -19,11 +19,11 @@ std::uint32_t magnitude(std::uint32_t value) { return (value >> 1) + (value & 1U
 
 std::uint32_t across_context(std::uint32_t first, std::uint32_t second) {
   const std::uint32_t size = std::max(magnitude(first), magnitude(second));
-  return kAcross + (size < 4 ? 0 : size < 12 ? 1 : size < 40 ? 2 : 3);
+  return kAcross + class_of(size, 4, 12, 40);
 }
 std::uint32_t face_across_context(std::uint32_t along) {
   const std::uint32_t size = magnitude(along);
-  return kFaceAcross + (size < 4 ? 0 : size < 24 ? 1 : 2);
+  return kFaceAcross + class_of(size, 4, 24);
 }
 
 // Coordinates in an order in which the plane's steepest comes last: x y z, y z x or z x y. Chosen by
@@ -71,17 +71,18 @@ struct FacePrediction {
 
 class Predictor {
  public:
-  Predictor(const Basis& basis, std::span<const VertexLinks> links, const CodedNode& node,
+  Predictor(const Basis& basis, const Links& links, const CodedNode& node,
             std::size_t vertex_count)
       : basis_(basis),
-        links_(links),
+        links_(links.of),
+        kinds_(links.kinds),
         is_cube_(node.is_cube),
         one_(std::uint32_t{1} << (node.position_bits & 31)),
         shift_(std::max(0, node.position_bits - kPlaneBits)),
         points_(vertex_count),
         faces_(vertex_count) {}
 
-  bool may_be_on_face(std::uint32_t v) const { return !is_cube_ && links_[v].is_border; }
+  bool may_be_on_face(std::uint32_t v) const { return !is_cube_ && is_border(kinds_[v]); }
 
   // On which faces the neighbours that come before are; bits.
   std::uint32_t neighbor_faces(std::uint32_t v) const {
@@ -195,6 +196,7 @@ class Predictor {
 
   const Basis& basis_;
   std::span<const VertexLinks> links_;
+  std::span<const std::uint8_t> kinds_;
   bool is_cube_;
   std::uint32_t one_;
   int shift_;
@@ -268,7 +270,7 @@ std::int32_t face_height(const FacePrediction& face, std::int32_t along) {
 }  // namespace
 
 void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& values, const Basis& basis,
-                      std::span<const VertexLinks> links, const CodedNode& node, const CodedPart& part) {
+                      const Links& links, const CodedNode& node, const CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   Predictor predictor(basis, links, node, count);
   struct Along {
@@ -294,15 +296,15 @@ void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& val
       const auto miss = rotated(
           wrapped_difference(point[0], prediction.x), wrapped_difference(point[1], prediction.y),
           wrapped_difference(point[2], prediction.z), prediction.steepest);
-      along.push_back({kAlong + links[v].relation_count, to_unsigned(miss.first)});
-      along.push_back({kAlong + links[v].relation_count, to_unsigned(miss.second)});
+      along.push_back({kAlong + relations_of(links.kinds[v]), to_unsigned(miss.first)});
+      along.push_back({kAlong + relations_of(links.kinds[v]), to_unsigned(miss.second)});
       across.push_back(to_unsigned(
           wrapped_difference(miss.last, Predictor::height(prediction, miss.first, miss.second))));
     } else {
       const FacePrediction on_face = predictor.predict_on_face(prediction, face);
       const auto first = static_cast<std::int32_t>(weights[on_face.first] - on_face.point[on_face.first]);
       const auto second = static_cast<std::int32_t>(weights[on_face.second] - on_face.point[on_face.second]);
-      face_along.push_back({kFaceAlong + (links[v].relation_count > 0 ? 1U : 0U), to_unsigned(first)});
+      face_along.push_back({kFaceAlong + (relations_of(links.kinds[v]) > 0 ? 1U : 0U), to_unsigned(first)});
       face_across.push_back(to_unsigned(wrapped_difference(second, face_height(on_face, first))));
     }
   }
@@ -319,7 +321,7 @@ void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& val
 }
 
 void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& values, const Basis& basis,
-                      std::span<const VertexLinks> links, const CodedNode& node, CodedPart& part) {
+                      const Links& links, const CodedNode& node, CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   Predictor predictor(basis, links, node, count);
   std::vector<std::uint8_t> face_of(count);
@@ -334,9 +336,9 @@ void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& val
     }
     face_of[v] = static_cast<std::uint8_t>(face);
     if (face == kNoFace)
-      contexts.push_back(static_cast<std::uint8_t>(kAlong + links[v].relation_count));
+      contexts.push_back(static_cast<std::uint8_t>(kAlong + relations_of(links.kinds[v])));
     else
-      face_contexts.push_back(static_cast<std::uint8_t>(kFaceAlong + (links[v].relation_count > 0 ? 1 : 0)));
+      face_contexts.push_back(static_cast<std::uint8_t>(kFaceAlong + (relations_of(links.kinds[v]) > 0 ? 1 : 0)));
   }
   std::vector<std::uint32_t> along(2 * contexts.size());
   std::vector<std::uint32_t> across(contexts.size());

@@ -1,7 +1,5 @@
 #include "codec/predict/predict.hpp"
 
-#include <memory>
-
 #include "codec/predict/colors.hpp"
 #include "codec/predict/connectivity.hpp"
 #include "codec/predict/normals.hpp"
@@ -26,10 +24,12 @@ Sections encode_predicted(const CodedNode& node) {
   ValueEncoder normals(kNormalContexts);
   ValueEncoder colors(kColorContexts);
   ValueEncoder parents(kParentContexts);
-  std::vector<std::vector<VertexLinks>> links;
+  std::vector<LinkStore> stores;
+  std::vector<Links> links;
   for (const CodedPart& part : node.parts) {
-    links.emplace_back(part.positions.size());
-    encode_connectivity(bits, symbols, part, links.back());
+    const std::size_t count = part.positions.size();
+    encode_connectivity(bits, symbols, part, stores.emplace_back(count).links(count));
+    links.push_back(stores.back().finish(count));
     encode_positions(bits, faces, positions, basis_of(part.frame), links.back(), node, part);
     if (node.has_colors) encode_colors(colors, links.back(), part);
     if (node.has_parents) encode_parents(parents, links.back(), part);
@@ -68,11 +68,12 @@ std::optional<Defect> decode_predicted(const SectionViews& sections, CodedNode& 
   ValueDecoder parents(section(Component::kParents), node.has_parents ? kParentContexts : 0);
   std::size_t most = 0;
   for (const CodedPart& part : node.parts) most = std::max(most, part.positions.size());
-  const auto all_links = std::make_unique_for_overwrite<VertexLinks[]>(most);
+  LinkStore store(most);
   for (CodedPart& part : node.parts) {
-    const std::span links(all_links.get(), part.positions.size());
-    if (!decode_connectivity(bits, symbols, part, links))
+    const std::size_t count = part.positions.size();
+    if (!decode_connectivity(bits, symbols, part, store.links(count)))
       return Defect{"the connectivity makes no sense", 0};
+    const Links links = store.finish(count);
     decode_positions(bits, faces, positions, basis_of(part.frame), links, node, part);
     if (node.has_normals) decode_normals(normals, mode, links, node, part);
     if (node.has_colors) decode_colors(colors, links, part);

@@ -60,6 +60,12 @@ struct VertexLinks {
   std::uint8_t neighbor_count = 0;
   bool is_border = false;
 
+  // What contexts are made of, in a byte of its own: relations in bits 0 and 1, neighbours in 2 to 4, border
+  // in 5.
+  std::uint8_t kind() const {
+    return static_cast<std::uint8_t>(relation_count | neighbor_count << 2 | (is_border ? 32 : 0));
+  }
+
   void add_relation(std::uint32_t p, std::uint32_t q, std::uint32_t r) {
     if (relation_count == kMostRelations) return;
     for (std::size_t k = relation_count++; k < kMostRelations; ++k) relations[k].set(p, q, r);
@@ -70,6 +76,34 @@ struct VertexLinks {
     if (neighbor_count == 1) neighbors[3] = neighbor;
     neighbors[neighbor_count++] = neighbor;
   }
+};
+
+// VertexLinks::kind(), taken apart.
+constexpr std::uint32_t relations_of(std::uint8_t kind) { return kind & 3U; }
+constexpr std::uint32_t neighbors_of(std::uint8_t kind) { return kind >> 2 & 7U; }
+constexpr bool is_border(std::uint8_t kind) { return kind >= 32; }
+
+// What the traversal tells of the vertices of a part.
+struct Links {
+  std::span<const VertexLinks> of;
+  std::span<const std::uint8_t> kinds;
+};
+
+// Memory for it, used again for one part after the other.
+class LinkStore {
+ public:
+  explicit LinkStore(std::size_t most_vertices)
+      : links_(std::make_unique_for_overwrite<VertexLinks[]>(most_vertices)), kinds_(most_vertices) {}
+  std::span<VertexLinks> links(std::size_t count) { return {links_.get(), count}; }
+  // Of the links as they are now.
+  Links finish(std::size_t count) {
+    for (std::size_t v = 0; v < count; ++v) kinds_[v] = links_[v].kind();
+    return {{links_.get(), count}, std::span(kinds_).first(count)};
+  }
+
+ private:
+  std::unique_ptr<VertexLinks[]> links_;
+  std::vector<std::uint8_t> kinds_;
 };
 
 // Triangles at a vertex so far, as far as they are counted.

@@ -232,10 +232,38 @@ std::uint32_t ValueDecoder::raw_bits(std::uint32_t count) {
 }
 
 void ValueDecoder::add_raw_bits(std::span<std::uint32_t> values) {
-  for (std::uint32_t& value : values) {
-    if (value < 16) continue;
-    const TokenRange range = kTokenRanges[value];
-    value = range.base + raw_bits(range.bits);
+  constexpr std::size_t kBlock = 16;
+  for (std::size_t begin = 0; begin < values.size(); begin += kBlock) {
+    const auto block = values.subspan(begin, std::min(kBlock, values.size() - begin));
+    // Where there are some, a branch for each value would be a guess.
+    std::uint32_t all = 0;
+    for (const std::uint32_t value : block) all |= value;
+    if (all < 16) continue;
+    // Each value moves on by four bytes at most.
+    if (raw_offset_ + 4 * kBlock + 8 > raw_.size()) {
+      for (std::uint32_t& value : block) {
+        const TokenRange range = kTokenRanges[value];
+        value = range.base + raw_bits(range.bits);
+      }
+      continue;
+    }
+    const std::byte* from = raw_.data() + raw_offset_;
+    std::uint64_t buffer = buffer_;
+    std::uint32_t buffered = buffered_;
+    for (std::uint32_t& value : block) {
+      const TokenRange range = kTokenRanges[value];
+      std::uint64_t more = 0;
+      std::memcpy(&more, from, sizeof more);
+      buffer |= more << buffered;
+      from += (63 - buffered) / 8;
+      buffered |= 56;
+      value = range.base + static_cast<std::uint32_t>(buffer & ((std::uint64_t{1} << range.bits) - 1));
+      buffer >>= range.bits;
+      buffered -= range.bits;
+    }
+    raw_offset_ = static_cast<std::size_t>(from - raw_.data());
+    buffer_ = buffer;
+    buffered_ = buffered;
   }
 }
 

@@ -30,6 +30,12 @@ constexpr std::int32_t to_signed(std::uint32_t value) {
   return static_cast<std::int32_t>(value >> 1 ^ (~(value & 1U) + 1U));
 }
 
+// How many of the bounds, which ascend, are not above the value: a class without a branch.
+template <typename... Bounds>
+constexpr std::uint32_t class_of(std::uint32_t value, Bounds... bounds) {
+  return (0U + ... + static_cast<std::uint32_t>(value >= static_cast<std::uint32_t>(bounds)));
+}
+
 struct TokenRange {
   std::uint32_t base = 0;
   std::uint32_t bits = 0;
@@ -114,6 +120,14 @@ class ValueDecoder {
     }
     states_ = x;
     add_raw_bits(values);
+  }
+
+  // The value that is the only one in the context, if so: reading it changes nothing, so it may be left out.
+  std::optional<std::uint32_t> only_value(std::size_t context) const {
+    const Table& table = tables_[numbers_[context]];
+    const std::uint8_t token = table.tokens[0];
+    if (table.frequencies[token] != kSlots || token >= 16) return std::nullopt;
+    return token;
   }
 
   // Whether all was read, no more and no less.
