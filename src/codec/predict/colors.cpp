@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "codec/predict/buffer.hpp"
+
 namespace colossus::codec::predict {
 namespace {
 
@@ -24,10 +26,10 @@ Lanes to_lanes(const mesh::Color& color) {
 }
 
 // The mean of four.
-Lanes predict(const VertexLinks& links, const std::vector<Lanes>& colors, std::size_t v) {
+Lanes predict(const VertexLinks& links, const Buffer<Lanes>& colors, std::size_t v) {
+  if (links.neighbor_count == 0) return v > 0 ? colors[v - 1] : 0;
   Lanes sum = 2 * kEachLane;
   for (const std::uint32_t neighbor : links.neighbors) sum += colors[neighbor];
-  if (links.neighbor_count == 0) return v > 0 ? colors[v - 1] : 0;
   return sum >> 2 & 255 * kEachLane;
 }
 
@@ -36,7 +38,7 @@ Lanes predict(const VertexLinks& links, const std::vector<Lanes>& colors, std::s
 void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& part) {
   const std::size_t count = part.colors.size();
   std::vector<Channels> residuals(count);
-  std::vector<Lanes> colors(count);
+  Buffer<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
     colors[v] = to_lanes(part.colors[v]);
     const Lanes prediction = predict(links.of[v], colors, v);
@@ -60,24 +62,26 @@ void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& pa
 
 void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part) {
   const std::size_t count = part.colors.size();
-  std::array<std::vector<std::uint32_t>, 4> read;
-  for (auto& channel : read) channel.resize(count);
-  values.get_batch(read[0], [&](std::size_t v) { return luma_context(links.kinds[v]); });
-  values.get_batch(read[1], [&](std::size_t v) { return kOrange + size_class(read[0][v]); });
-  values.get_batch(read[2], [&](std::size_t v) { return kGreen + size_class(read[0][v]); });
+  Buffer<std::uint32_t> lumas(count);
+  Buffer<std::uint32_t> oranges(count);
+  Buffer<std::uint32_t> greens(count);
+  Buffer<std::uint32_t> opacities(count);
+  values.get_batch(lumas.all(), [&](std::size_t v) { return luma_context(links.kinds[v]); });
+  values.get_batch(oranges.all(), [&](std::size_t v) { return kOrange + size_class(lumas[v]); });
+  values.get_batch(greens.all(), [&](std::size_t v) { return kGreen + size_class(lumas[v]); });
   if (const auto opacity = values.only_value(kOpacity))
-    std::fill(read[3].begin(), read[3].end(), *opacity);
+    std::fill_n(opacities.all().begin(), count, *opacity);
   else
-    values.get_batch(read[3], [](std::size_t) { return kOpacity; });
-  std::vector<Lanes> colors(count);
+    values.get_batch(opacities.all(), [](std::size_t) { return kOpacity; });
+  Buffer<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
-    const std::int32_t green = to_signed(read[2][v]);
-    const std::int32_t middle = wrapped_difference(to_signed(read[0][v]), green >> 1);
-    const std::int32_t orange = to_signed(read[1][v]);
+    const std::int32_t green = to_signed(greens[v]);
+    const std::int32_t middle = wrapped_difference(to_signed(lumas[v]), green >> 1);
+    const std::int32_t orange = to_signed(oranges[v]);
     const std::int32_t blue = wrapped_difference(middle, orange >> 1);
     colors[v] = to_lanes({static_cast<std::uint8_t>(wrapped_sum(blue, orange)),
                           static_cast<std::uint8_t>(wrapped_sum(middle, green)),
-                          static_cast<std::uint8_t>(blue), static_cast<std::uint8_t>(to_signed(read[3][v]))});
+                          static_cast<std::uint8_t>(blue), static_cast<std::uint8_t>(to_signed(opacities[v]))});
   }
   for (std::size_t v = 0; v < count; ++v) {
     const Lanes color = (colors[v] + predict(links.of[v], colors, v)) & 255 * kEachLane;

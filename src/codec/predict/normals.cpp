@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "codec/predict/buffer.hpp"
+
 namespace colossus::codec::predict {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr int kSumBits = 14;
 // Sums of face normals at each vertex, by area.
 std::vector<LongVector> face_sums(const CodedNode& node, const CodedPart& part) {
   const int shift = std::max(0, node.position_bits - kEdgeBits);
-  std::vector<Vector> points(part.positions.size());
+  Buffer<Vector> points(part.positions.size());
   for (std::size_t v = 0; v < points.size(); ++v) {
     const Coordinates& w = part.positions[v];
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -197,10 +199,10 @@ void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links,
 void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links,
                     const CodedNode& node, CodedPart& part) {
   const std::size_t count = part.normals.size();
-  std::vector<std::uint32_t> first(count);
-  std::vector<std::uint32_t> second(count);
-  values.get_batch(first, [&](std::size_t v) { return is_border(links.kinds[v]) ? 1U : 0U; });
-  values.get_batch(second, [&](std::size_t v) { return second_context(links.kinds[v], first[v]); });
+  Buffer<std::uint32_t> first(count);
+  Buffer<std::uint32_t> second(count);
+  values.get_batch(first.all(), [&](std::size_t v) { return is_border(links.kinds[v]) ? 1U : 0U; });
+  values.get_batch(second.all(), [&](std::size_t v) { return second_context(links.kinds[v], first[v]); });
   Predictor predictor(mode, links, node, part);
   for (std::uint32_t v = 0; v < count; ++v) {
     const Projection projection = predictor.project_sum(v);

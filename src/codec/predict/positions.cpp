@@ -1,5 +1,7 @@
 #include "codec/predict/positions.hpp"
 
+#include "codec/predict/buffer.hpp"
+
 namespace colossus::codec::predict {
 namespace {
 
@@ -121,9 +123,12 @@ class Predictor {
     weights[3] = is_cube_ ? 0 : left;
     return weights;
   }
-  void set_point(std::uint32_t v, const Vector& point) { points_[v] = point; }
+  void set_point(std::uint32_t v, const Vector& point) {
+    for (std::size_t i = 0; i < 3; ++i) points_[v][i] = point[i];
+  }
 
-  Prediction predict(std::uint32_t v) const {
+  // In line, or the prediction would go through memory.
+  [[gnu::always_inline]] Prediction predict(std::uint32_t v) const {
     Prediction prediction;
     const VertexLinks& links = links_[v];
     if (links.relation_count == 0) {
@@ -200,7 +205,7 @@ class Predictor {
   bool is_cube_;
   std::uint32_t one_;
   int shift_;
-  std::vector<Vector> points_;
+  Buffer<Vector> points_;
   std::vector<std::uint8_t> faces_;
 };
 
@@ -324,10 +329,11 @@ void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& val
                       const Links& links, const CodedNode& node, CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   Predictor predictor(basis, links, node, count);
-  std::vector<std::uint8_t> face_of(count);
-  std::vector<std::uint8_t> contexts;
-  std::vector<std::uint8_t> face_contexts;
-  contexts.reserve(count);
+  Buffer<std::uint8_t> face_of(count);
+  Buffer<std::uint8_t> contexts(count);
+  Buffer<std::uint8_t> face_contexts(count);
+  std::size_t inner_count = 0;
+  std::size_t face_count = 0;
   for (std::uint32_t v = 0; v < count; ++v) {
     std::uint32_t face = kNoFace;
     if (predictor.may_be_on_face(v)) {
@@ -336,18 +342,19 @@ void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& val
     }
     face_of[v] = static_cast<std::uint8_t>(face);
     if (face == kNoFace)
-      contexts.push_back(static_cast<std::uint8_t>(kAlong + relations_of(links.kinds[v])));
+      contexts[inner_count++] = static_cast<std::uint8_t>(kAlong + relations_of(links.kinds[v]));
     else
-      face_contexts.push_back(static_cast<std::uint8_t>(kFaceAlong + (relations_of(links.kinds[v]) > 0 ? 1 : 0)));
+      face_contexts[face_count++] =
+          static_cast<std::uint8_t>(kFaceAlong + (relations_of(links.kinds[v]) > 0 ? 1 : 0));
   }
-  std::vector<std::uint32_t> along(2 * contexts.size());
-  std::vector<std::uint32_t> across(contexts.size());
-  std::vector<std::uint32_t> face_along(face_contexts.size());
-  std::vector<std::uint32_t> face_across(face_contexts.size());
-  values.get_batch(along, [&](std::size_t i) { return contexts[i / 2]; });
-  values.get_batch(across, [&](std::size_t i) { return across_context(along[2 * i], along[2 * i + 1]); });
-  values.get_batch(face_along, [&](std::size_t i) { return face_contexts[i]; });
-  values.get_batch(face_across, [&](std::size_t i) { return face_across_context(face_along[i]); });
+  Buffer<std::uint32_t> along(2 * inner_count);
+  Buffer<std::uint32_t> across(inner_count);
+  Buffer<std::uint32_t> face_along(face_count);
+  Buffer<std::uint32_t> face_across(face_count);
+  values.get_batch(along.all(), [&](std::size_t i) { return contexts[i / 2]; });
+  values.get_batch(across.all(), [&](std::size_t i) { return across_context(along[2 * i], along[2 * i + 1]); });
+  values.get_batch(face_along.all(), [&](std::size_t i) { return face_contexts[i]; });
+  values.get_batch(face_across.all(), [&](std::size_t i) { return face_across_context(face_along[i]); });
   std::size_t next = 0;
   std::size_t next_face = 0;
   const std::uint32_t one = std::uint32_t{1} << (node.position_bits & 31);
