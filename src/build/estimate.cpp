@@ -18,6 +18,11 @@ constexpr double kMiB = 1 << 20;
 
 // What was measured, times this, is estimated: statues differ.
 constexpr double kMargin = 1.2;
+constexpr double kOutputMargin = 1.3;  // noise counts
+
+// How much of the triangles' order is without locality, from the vertices that a block of triangles has per
+// triangle.
+double far_share(double block_vertices) { return std::clamp((block_vertices - 0.7) / (2.9 - 0.7), 0.0, 1.0); }
 
 class Estimator {
  public:
@@ -29,13 +34,13 @@ class Estimator {
         triangles_(static_cast<double>(catalog.counts.triangles)),
         vertices_(static_cast<double>(catalog.counts.vertices)),
         leaf_(static_cast<double>(options.leaf_triangles)),
-        far_share_(std::min(static_cast<double>(catalog.far_triangles) / triangles_, 1.0)) {}
+        far_share_(far_share(static_cast<double>(catalog.block_vertices) / triangles_)) {}
 
   BuildEstimate run(std::uint64_t resident_bytes) const {
     BuildEstimate needs;
     needs.memory_bytes_per_rank = resident_bytes + static_cast<std::uint64_t>(task_memory());
     needs.scratch_bytes = static_cast<std::uint64_t>(kMargin * scratch());
-    needs.output_bytes = static_cast<std::uint64_t>(kMargin * output());
+    needs.output_bytes = static_cast<std::uint64_t>(kOutputMargin * output());
     return needs;
   }
 
@@ -59,12 +64,16 @@ class Estimator {
     return std::max({buckets, range, groups, nodes});
   }
 
-  // Of the largest block of the deepest level.
-  double block_triangles() const {
+  // The deepest one of blocks.
+  int level() const {
     int level = 0;
     while (level < geometry::kRootBits && triangles_ > leaf_ * occupancy_.cubes_at(level)) ++level;
-    level = options_.levels.value_or(level);
-    const double most = occupancy_.most_in_block(level, options_.block_size.value_or(kDefaultBlockSize));
+    return options_.levels.value_or(level);
+  }
+
+  // Of the largest block of the deepest level.
+  double block_triangles() const {
+    const double most = occupancy_.most_in_block(level(), options_.block_size.value_or(kDefaultBlockSize));
     return most / std::max(vertices_, 1.0) * triangles_;
   }
 
@@ -91,7 +100,7 @@ class Estimator {
   double stored_triangles() const {
     if (is_blocks_) return 4.0 / 3.0;
     static constexpr std::array<std::pair<double, double>, 6> kMeasured{
-        {{1, 1.2}, {8, 2.0}, {11, 3.1}, {16, 3.2}, {50, 2.9}, {250, 2.6}}};
+        {{1, 1.2}, {6, 2.0}, {8, 3.2}, {16, 3.2}, {50, 2.9}, {250, 2.6}}};
     const double at = leaves();
     for (std::size_t i = 1; i < kMeasured.size(); ++i) {
       const auto [begin, low] = kMeasured[i - 1];
@@ -101,7 +110,26 @@ class Estimator {
     return 2.5;
   }
 
-  double output() const { return 10000.0 + triangles_ * stored_triangles() * 7.3; }
+  // Per triangle of a node. Larger meshes have fewer vertices on borders, which several nodes store.
+  double stored_bytes() const {
+    struct CodecBytes {
+      const char* codec;
+      double triangle;        // with colours, at 12 bits
+      double finer, coarser;  // per bit more or less
+      double color;
+    };
+    static constexpr std::array<CodecBytes, 3> kMeasured{
+        {{"predict", 1.45, 0.17, 0.09, 0.65}, {"zstd", 6.3, 0.33, 0.27, 1.3}, {"paper", 3.8, 0.2, 0.2, 1.0}}};
+    const auto found = std::find_if(kMeasured.begin(), kMeasured.end(),
+                                    [&](const CodecBytes& c) { return c.codec == options_.codec; });
+    const CodecBytes& c = found == kMeasured.end() ? kMeasured[1] : *found;
+    const int bits = options_.position_bits - 12;
+    const double triangles = is_blocks_ ? triangles_ / occupancy_.cubes_at(level()) : leaf_;
+    return c.triangle + (bits > 0 ? c.finer : c.coarser) * bits - (catalog_.has_colors ? 0.0 : c.color) +
+           (is_blocks_ ? 0.2 : 0.0) + 45.0 / std::sqrt(std::min(triangles, triangles_));
+  }
+
+  double output() const { return 10000.0 + triangles_ * stored_triangles() * stored_bytes(); }
 
   const BuildOptions& options_;
   const Catalog& catalog_;

@@ -43,14 +43,35 @@ struct SurveyTask {
   }
 };
 
-// Triangles in an order that keeps neighbours together rarely leap farther.
-constexpr std::uint32_t kNearVertices = 1 << 16;
+// Counts different numbers, roughly: how many of so many bits they hit (Whang et al., A linear-time
+// probabilistic counting algorithm, 1990).
+class DistinctCounter {
+ public:
+  void add(std::uint32_t number) {
+    const std::uint32_t bit = number * 2654435761U >> (32 - kBits);
+    std::uint64_t& word = hit_[bit / 64];
+    count_ += ~word >> bit % 64 & 1;
+    word |= std::uint64_t{1} << bit % 64;
+  }
+  // How many there were since the last call.
+  std::uint64_t take() {
+    const double free = 1.0 - std::min(std::ldexp(static_cast<double>(count_), -kBits), 0.999);
+    std::fill(hit_.begin(), hit_.end(), 0);
+    count_ = 0;
+    return static_cast<std::uint64_t>(std::llround(std::ldexp(-std::log(free), kBits)));
+  }
+
+ private:
+  static constexpr int kBits = 20;
+  std::vector<std::uint64_t> hit_ = std::vector<std::uint64_t>(std::size_t{1} << kBits >> 6);
+  std::uint64_t count_ = 0;
+};
 
 struct PartCounts {
   geometry::Bounds bounds;
   std::uint64_t polygons = 0;
   std::uint64_t small_faces = 0;
-  std::uint64_t far_triangles = 0;
+  std::uint64_t block_vertices = 0;
   std::uint32_t is_uniform = 1;  // 0: faces are not all triangles, the file must be read sequentially
 };
 
@@ -84,10 +105,9 @@ class ScratchSink : public input::BlockSink {
                                           core::as_bytes(block.triangles));
     triangle_blocks.push_back(ref);
     workspace_.reporter.add_triangles(ref.count);
-    for (const mesh::Triangle& t : block.triangles) {
-      counts.far_triangles += std::max(t[0], last_) - std::min(t[0], last_) > kNearVertices ? 1 : 0;
-      last_ = t[0];
-    }
+    for (const mesh::Triangle& t : block.triangles)
+      for (const auto v : t) distinct_.add(v);
+    counts.block_vertices += distinct_.take();
   }
 
   void odd_faces(const input::OddFaces& odd) override {
@@ -102,7 +122,7 @@ class ScratchSink : public input::BlockSink {
  private:
   const Workspace& workspace_;
   std::uint32_t file_;
-  std::uint32_t last_ = 0;  // first vertex of the triangle before
+  DistinctCounter distinct_;
 };
 
 Bytes hash_of_file(const std::filesystem::path& path) {
@@ -204,7 +224,7 @@ class Survey {
     }
     catalog_.counts.polygons += part.polygons;
     catalog_.counts.small_faces += part.small_faces;
-    catalog_.far_triangles += part.far_triangles;
+    catalog_.block_vertices += part.block_vertices;
     if (part.is_uniform == 0) is_irregular_[file] = true;
     const auto vertex_blocks = reader.get_array<VertexBlockRef>(reader.get<std::size_t>());
     catalog_.vertex_blocks.insert(catalog_.vertex_blocks.end(), vertex_blocks.begin(), vertex_blocks.end());
