@@ -204,9 +204,9 @@ TEST(CubeCodec, AnyFlippedBitUnderARightChecksumIsRefusedOrAValidCube) {
         SCOPED_TRACE(testing::Message() << codec.name << ", seed " << seed << ", bit " << bit);
         core::Bytes bytes = original;
         bytes[bit / 8] ^= std::byte{1} << bit % 8;
-        EXPECT_FALSE(decode_cube(bytes, kMost));
+        EXPECT_FALSE(decode_cube(bytes, {100, 200}));
         seal(bytes);
-        const auto decoded = decode_cube(bytes, kMost);
+        const auto decoded = decode_cube(bytes, {100, 200});
         ++(decoded ? accepted : refused);
         if (decoded) expect_valid(decoded.value());
         if (HasFailure()) return;
@@ -218,7 +218,7 @@ TEST(CubeCodec, AnyFlippedBitUnderARightChecksumIsRefusedOrAValidCube) {
 }
 
 std::string defect_of(const core::Bytes& bytes) {
-  const auto decoded = decode_cube(bytes, kMost);
+  const auto decoded = decode_cube(bytes, {100, 200});
   return decoded ? "none" : decoded.defect().message;
 }
 
@@ -266,7 +266,8 @@ TEST(CubeCodec, RefusesEarlierVersionsWithAClearWord) {
   EXPECT_NE(defect_of(core::Bytes(100, std::byte{200})).find("unknown"), std::string::npos);
 }
 
-// Counts that the bytes cannot hold allocate nothing, and what decodes takes a small multiple of the result.
+// Counts that the node table does not know allocate nothing; what decodes takes a small multiple of the
+// result, and some tables.
 TEST(CubeCodec, AllocatesNoMoreThanASmallMultipleOfItsResult) {
   Random random(7);
   for (const Codec& codec : codecs())
@@ -274,7 +275,7 @@ TEST(CubeCodec, AllocatesNoMoreThanASmallMultipleOfItsResult) {
       const core::Bytes bytes = bytes_of(random_cube(random, {flags, 250, 0, 0, 0}), codec);
       std::size_t before = allocated_bytes();
       EXPECT_TRUE(decode_cube(bytes, kMost));
-      EXPECT_LT(allocated_bytes() - before, 100000U) << codec.name << ", flags " << flags;
+      EXPECT_LT(allocated_bytes() - before, 250000U) << codec.name << ", flags " << flags;
       core::Bytes large = bytes;
       std::memset(large.data() + 9, 0xff, 8);  // vertices and triangles of the one part
       seal(large);

@@ -79,9 +79,10 @@ void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part) {
     const std::int32_t middle = wrapped_difference(to_signed(lumas[v]), green >> 1);
     const std::int32_t orange = to_signed(oranges[v]);
     const std::int32_t blue = wrapped_difference(middle, orange >> 1);
-    colors[v] = to_lanes({static_cast<std::uint8_t>(wrapped_sum(blue, orange)),
-                          static_cast<std::uint8_t>(wrapped_sum(middle, green)),
-                          static_cast<std::uint8_t>(blue), static_cast<std::uint8_t>(to_signed(opacities[v]))});
+    colors[v] =
+        to_lanes({static_cast<std::uint8_t>(wrapped_sum(blue, orange)),
+                  static_cast<std::uint8_t>(wrapped_sum(middle, green)), static_cast<std::uint8_t>(blue),
+                  static_cast<std::uint8_t>(to_signed(opacities[v]))});
   }
   for (std::size_t v = 0; v < count; ++v) {
     const Lanes color = (colors[v] + predict(links.of[v], colors, v)) & 255 * kEachLane;

@@ -207,7 +207,8 @@ void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vert
   MeshSource source(triangles, vertex_count);
   std::vector<mesh::Triangle> ordered(triangles.size());
   std::vector<VertexLinks> links(vertex_count);
-  COLOSSUS_CHECK(Traversal(source, std::span(ordered), std::span(links)).run(), "{} triangles", triangles.size());
+  COLOSSUS_CHECK(Traversal(source, std::span(ordered), std::span(links)).run(), "{} triangles",
+                 triangles.size());
   for (mesh::Triangle& t : ordered)
     for (auto& v : t) v = source.before()[v];
   triangles = std::move(ordered);

@@ -113,8 +113,7 @@ struct Miss {
 
 class Predictor {
  public:
-  Predictor(NormalMode mode, const Links& links, const CodedNode& node,
-            const CodedPart& part)
+  Predictor(NormalMode mode, const Links& links, const CodedNode& node, const CodedPart& part)
       : links_(links.of), expects_misses_(mode != NormalMode::kSum), sums_(face_sums(node, part)) {
     if (mode == NormalMode::kSmoothed) sums_ = smoothed(sums_, part, 8);
     if (mode == NormalMode::kMoreSmoothed) sums_ = smoothed(sums_, part, 3);
@@ -148,8 +147,8 @@ class Predictor {
 
 // Calls back with what is left of each normal, in order.
 template <typename Take>
-void for_each_residual(NormalMode mode, const Links& links, const CodedNode& node,
-                       const CodedPart& part, Take take) {
+void for_each_residual(NormalMode mode, const Links& links, const CodedNode& node, const CodedPart& part,
+                       Take take) {
   Predictor predictor(mode, links, node, part);
   for (std::uint32_t v = 0; v < part.normals.size(); ++v) {
     const Projection projection = predictor.project_sum(v);
@@ -159,9 +158,8 @@ void for_each_residual(NormalMode mode, const Links& links, const CodedNode& nod
     const Miss expected = predictor.expected_miss(v);
     const Miss miss{wrapped_byte(u_cell - projection.u), wrapped_byte(v_cell - projection.v)};
     predictor.set_miss(v, miss);
-    take(v, std::array<std::uint32_t, 2>{
-                to_unsigned(projection.u_sign * wrapped_byte(miss.u - expected.u)),
-                to_unsigned(projection.v_sign * wrapped_byte(miss.v - expected.v))});
+    take(v, std::array<std::uint32_t, 2>{to_unsigned(projection.u_sign * wrapped_byte(miss.u - expected.u)),
+                                         to_unsigned(projection.v_sign * wrapped_byte(miss.v - expected.v))});
   }
 }
 
@@ -184,20 +182,21 @@ NormalMode choose_normal_mode(const CodedNode& node, const std::vector<Links>& l
   return best;
 }
 
-void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links,
-                    const CodedNode& node, const CodedPart& part) {
+void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links, const CodedNode& node,
+                    const CodedPart& part) {
   std::vector<std::array<std::uint32_t, 2>> residuals(part.normals.size());
   for_each_residual(mode, links, node, part,
                     [&](std::uint32_t v, const std::array<std::uint32_t, 2>& r) { residuals[v] = r; });
-  for (std::size_t v = 0; v < residuals.size(); ++v) values.put(is_border(links.kinds[v]) ? 1 : 0, residuals[v][0]);
+  for (std::size_t v = 0; v < residuals.size(); ++v)
+    values.put(is_border(links.kinds[v]) ? 1 : 0, residuals[v][0]);
   values.end_batch();
   for (std::size_t v = 0; v < residuals.size(); ++v)
     values.put(second_context(links.kinds[v], residuals[v][0]), residuals[v][1]);
   values.end_batch();
 }
 
-void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links,
-                    const CodedNode& node, CodedPart& part) {
+void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links, const CodedNode& node,
+                    CodedPart& part) {
   const std::size_t count = part.normals.size();
   Buffer<std::uint32_t> first(count);
   Buffer<std::uint32_t> second(count);

@@ -19,9 +19,9 @@ inline constexpr std::size_t kNormalContexts = 2 + 2 * kNormalSizes;
 // The mode that gives the least misses over all parts.
 NormalMode choose_normal_mode(const CodedNode& node, const std::vector<Links>& links);
 
-void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links,
-                    const CodedNode& node, const CodedPart& part);
-void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links,
-                    const CodedNode& node, CodedPart& part);
+void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links, const CodedNode& node,
+                    const CodedPart& part);
+void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links, const CodedNode& node,
+                    CodedPart& part);
 
 }  // namespace colossus::codec::predict

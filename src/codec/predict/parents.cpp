@@ -8,12 +8,9 @@ constexpr std::uint32_t kOther = kMostNeighbors;
 constexpr std::uint32_t kChoice = 0;  // by the number of neighbours
 constexpr std::uint32_t kDifference = 2;
 
-std::uint32_t choice_context(std::uint8_t kind) {
-  return kChoice + (neighbors_of(kind) > 2 ? 1U : 0U);
-}
+std::uint32_t choice_context(std::uint8_t kind) { return kChoice + (neighbors_of(kind) > 2 ? 1U : 0U); }
 
-std::uint32_t base_of(const Links& links, const std::vector<std::uint32_t>& parents,
-                      std::size_t v) {
+std::uint32_t base_of(const Links& links, const std::vector<std::uint32_t>& parents, std::size_t v) {
   if (links.of[v].neighbor_count > 0) return parents[links.of[v].neighbors[0]];
   return v > 0 ? parents[v - 1] : 0;
 }

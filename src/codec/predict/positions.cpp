@@ -46,8 +46,15 @@ template <typename T>
 Triple<T> unrotated(T first, T second, T last, std::uint32_t steepest) {
   const bool is_x = steepest == 0;
   const bool is_y = steepest == 1;
-  return {is_x ? last : is_y ? second : first, is_x ? first : is_y ? last : second,
-          is_x ? second : is_y ? first : last};
+  return {is_x   ? last
+          : is_y ? second
+                 : first,
+          is_x   ? first
+          : is_y ? last
+                 : second,
+          is_x   ? second
+          : is_y ? first
+                 : last};
 }
 
 // A plane, and the point on it that parallelograms lead to.
@@ -73,8 +80,7 @@ struct FacePrediction {
 
 class Predictor {
  public:
-  Predictor(const Basis& basis, const Links& links, const CodedNode& node,
-            std::size_t vertex_count)
+  Predictor(const Basis& basis, const Links& links, const CodedNode& node, std::size_t vertex_count)
       : basis_(basis),
         links_(links.of),
         kinds_(links.kinds),
@@ -170,8 +176,7 @@ class Predictor {
         rotated(prediction.x_normal, prediction.y_normal, prediction.z_normal, prediction.steepest);
     if (normal.last == 0) return 0;
     const std::int64_t rise = normal.first * first + normal.second * second;
-    return static_cast<std::int32_t>(
-        rounded_quotient(normal.last < 0 ? rise : -rise, std::abs(normal.last)));
+    return static_cast<std::int32_t>(rounded_quotient(normal.last < 0 ? rise : -rise, std::abs(normal.last)));
   }
 
   FacePrediction predict_on_face(const Prediction& prediction, std::uint32_t face) const;
@@ -298,13 +303,13 @@ void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& val
     const Vector point = predictor.point_of(weights);
     predictor.set_point(v, point);
     if (face == kNoFace) {
-      const auto miss = rotated(
-          wrapped_difference(point[0], prediction.x), wrapped_difference(point[1], prediction.y),
-          wrapped_difference(point[2], prediction.z), prediction.steepest);
+      const auto miss =
+          rotated(wrapped_difference(point[0], prediction.x), wrapped_difference(point[1], prediction.y),
+                  wrapped_difference(point[2], prediction.z), prediction.steepest);
       along.push_back({kAlong + relations_of(links.kinds[v]), to_unsigned(miss.first)});
       along.push_back({kAlong + relations_of(links.kinds[v]), to_unsigned(miss.second)});
-      across.push_back(to_unsigned(
-          wrapped_difference(miss.last, Predictor::height(prediction, miss.first, miss.second))));
+      across.push_back(
+          to_unsigned(wrapped_difference(miss.last, Predictor::height(prediction, miss.first, miss.second))));
     } else {
       const FacePrediction on_face = predictor.predict_on_face(prediction, face);
       const auto first = static_cast<std::int32_t>(weights[on_face.first] - on_face.point[on_face.first]);
@@ -352,7 +357,8 @@ void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& val
   Buffer<std::uint32_t> face_along(face_count);
   Buffer<std::uint32_t> face_across(face_count);
   values.get_batch(along.all(), [&](std::size_t i) { return contexts[i / 2]; });
-  values.get_batch(across.all(), [&](std::size_t i) { return across_context(along[2 * i], along[2 * i + 1]); });
+  values.get_batch(across.all(),
+                   [&](std::size_t i) { return across_context(along[2 * i], along[2 * i + 1]); });
   values.get_batch(face_along.all(), [&](std::size_t i) { return face_contexts[i]; });
   values.get_batch(face_across.all(), [&](std::size_t i) { return face_across_context(face_along[i]); });
   std::size_t next = 0;

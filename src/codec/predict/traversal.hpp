@@ -52,10 +52,11 @@ inline constexpr std::size_t kMostNeighbors = 4;
 
 // All numbers are less than the vertex's own. Where there is at least one relation or neighbour, the places
 // of those that are missing hold copies of others, so that a mean needs no branch: one relation stands three
-// times, the second of two twice; of neighbours a come a a a a, of a, b come a b a b, of a, b, c come a b c b.
+// times, the second of two twice; of neighbours a come a a a a, of a, b come a b a b, of a, b, c come a b c
+// b.
 struct VertexLinks {
-  std::array<Relation, kMostRelations> relations{};
-  std::array<std::uint32_t, kMostNeighbors> neighbors{};
+  std::array<Relation, kMostRelations> relations;
+  std::array<std::uint32_t, kMostNeighbors> neighbors;
   std::uint8_t relation_count = 0;
   std::uint8_t neighbor_count = 0;
   bool is_border = false;
@@ -134,7 +135,8 @@ enum class GateOrigin : std::uint8_t { kSeed0, kSeed1, kSeed2, kSecondToThird, k
 //   std::array<std::uint32_t, 3> seed(std::uint32_t known): the next seed's vertices, new ones numbered from
 //     `known` on by first use,
 //   Step step(const Situation&, std::uint32_t known),
-//   void opened(std::uint32_t gate, GateOrigin): for each new gate, in ascending order; of the latest triangle.
+//   void opened(std::uint32_t gate, GateOrigin): for each new gate, in ascending order; of the latest
+//   triangle.
 template <typename Source>
 class Traversal {
  public:

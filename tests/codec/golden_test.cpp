@@ -1,0 +1,168 @@
+// Payloads of every released version of every codec, in golden/<codec>_<version>_<scheme>: they decode for
+// ever to what they were made of, and the present version still writes them. With COLOSSUS_WRITE_GOLDEN set
+// to a folder, the test writes those of the present versions there; a change of their bytes is a new version,
+// in schemas/ too.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "codec/cube_codec.hpp"
+#include "codec/node_codec.hpp"
+#include "codec/renumber.hpp"
+#include "core/hash.hpp"
+
+namespace colossus::codec {
+namespace {
+
+using mesh::Triangle;
+
+constexpr NodeCounts kMost{1000, 2000};
+
+std::uint8_t noise(std::uint32_t i, std::uint32_t channel) {
+  const std::uint32_t x = (i * 4 + channel) * 2654435761U;
+  return static_cast<std::uint8_t>(x >> 24);
+}
+
+// A grid of quads with a hole, then an edge of three triangles, a triangle on its own, and one that names a
+// vertex twice.
+constexpr std::uint32_t kColumns = 9;
+constexpr std::uint32_t kRows = 7;
+constexpr std::uint32_t kGrid = kColumns * kRows;
+constexpr std::uint32_t kVertices = kGrid + 4;
+
+std::vector<Triangle> nasty_triangles() {
+  std::vector<Triangle> triangles;
+  for (std::uint32_t y = 0; y + 1 < kRows; ++y)
+    for (std::uint32_t x = 0; x + 1 < kColumns; ++x) {
+      if (x == 4 && y == 3) continue;
+      const std::uint32_t i = y * kColumns + x;
+      triangles.push_back({i, i + 1, i + kColumns});
+      triangles.push_back({i + 1, i + kColumns + 1, i + kColumns});
+    }
+  triangles.push_back({0, 1, kGrid});
+  triangles.push_back({kGrid + 1, kGrid + 2, kGrid + 3});
+  triangles.push_back({kGrid + 1, kGrid + 1, 5});
+  return triangles;
+}
+
+NodeMesh golden_node() {
+  NodeMesh node{12, true, true, {}};
+  for (const std::uint8_t place : std::array<std::uint8_t, 2>{1, 4}) {
+    QuantizedTetrahedron part;
+    part.place = place;
+    part.frame =
+        place == 1 ? Frame{{{2, 0, 0}, {1, 1, 1}, {1, 1, -1}}} : Frame{{{1, 0, 0}, {1, 1, 0}, {1, 1, 1}}};
+    part.triangles = nasty_triangles();
+    for (std::uint32_t v = 0; v < kVertices; ++v) {
+      const std::uint32_t x = v % kColumns;
+      const std::uint32_t y = v / kColumns;
+      // The left column lies on a face, one corner on two.
+      Weights w{x * 150, 200 + y * 170 + noise(v, 9) % 16U, 300U + noise(v, 10) % 8U, 0};
+      if (v == 0) w[1] = 0;
+      w[3] = 4096 - w[0] - w[1] - w[2];
+      part.weights.push_back(w);
+      part.marks.push_back(marks_of(w));
+      part.normals.push_back({static_cast<std::uint8_t>(120 + noise(v, 0) % 12), noise(v, 1)});
+      part.colors.push_back({noise(v, 2), static_cast<std::uint8_t>(100 + x), noise(v, 3), 255});
+    }
+    node.tetrahedra.push_back(std::move(part));
+  }
+  return node;
+}
+
+CubeMesh golden_cube() {
+  CubeMesh cube{true, true, true, {}, {}, {}, {}, {}};
+  cube.triangles = nasty_triangles();
+  // The last three are used by no triangle.
+  for (std::uint32_t v = 0; v < kVertices + 3; ++v) {
+    const auto x = static_cast<std::int32_t>(v % kColumns);
+    const auto y = static_cast<std::int32_t>(v / kColumns);
+    cube.positions.push_back({(1 << 20) + 1000 * x, -5000 + 900 * y + noise(v, 4), noise(v, 5)});
+    cube.normals.push_back({noise(v, 6), 255});
+    cube.colors.push_back({static_cast<std::uint8_t>(3 * x), noise(v, 7), 9, noise(v, 8)});
+    cube.parents.push_back(v / 3 + (v % 11 == 0 ? 100 : 0));
+  }
+  return cube;
+}
+
+NodeMesh in_order(NodeMesh node, const Codec& codec) {
+  for (QuantizedTetrahedron& part : node.tetrahedra) put_in_order(part, codec);
+  return node;
+}
+
+CubeMesh in_order(CubeMesh cube, const Codec& codec) {
+  codec.order(cube.triangles, cube.positions.size());
+  const auto before = renumber_by_first_use(cube.triangles, cube.positions.size());
+  permute(cube.positions, before);
+  permute(cube.normals, before);
+  permute(cube.colors, before);
+  permute(cube.parents, before);
+  return cube;
+}
+
+core::Bytes read_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(file), {}};
+  const auto bytes = std::as_bytes(std::span(content));
+  return {bytes.begin(), bytes.end()};
+}
+
+// The golden bytes, or after writing them those of the present version.
+core::Bytes golden_bytes(const Codec& codec, const char* scheme, const core::Bytes& now) {
+  const std::string name = fmt::format("{}_{}_{}", codec.name, int{codec.version}, scheme);
+  if (const char* folder = std::getenv("COLOSSUS_WRITE_GOLDEN")) {
+    std::ofstream file(std::filesystem::path(folder) / name, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(now.data()), static_cast<std::streamsize>(now.size()));
+    return now;
+  }
+  return read_file(std::filesystem::path(GOLDEN_FOLDER) / name);
+}
+
+template <typename Decode>
+void expect_every_damage_is_refused(const core::Bytes& golden, Decode decode) {
+  for (std::size_t size = 0; size < golden.size(); ++size)
+    EXPECT_FALSE(decode(std::span(golden).first(size))) << "cut to " << size;
+  core::Bytes bytes = golden;
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    bytes[bit / 8] ^= std::byte{1} << bit % 8;
+    EXPECT_FALSE(decode(std::span<const std::byte>(bytes))) << "bit " << bit;
+    bytes[bit / 8] ^= std::byte{1} << bit % 8;
+  }
+}
+
+TEST(Golden, NodesOfEveryVersionDecodeToWhatTheyWereMadeOf) {
+  for (const Codec& codec : codecs()) {
+    SCOPED_TRACE(codec.name);
+    const NodeMesh node = in_order(golden_node(), codec);
+    const core::Bytes now = encode(node, codec).bytes;
+    const core::Bytes golden = golden_bytes(codec, "diamonds", now);
+    ASSERT_FALSE(golden.empty());
+    EXPECT_EQ(now, golden);
+    const auto decoded = decode(golden, kMost);
+    ASSERT_TRUE(decoded) << decoded.defect().message;
+    EXPECT_TRUE(decoded.value() == node);
+    expect_every_damage_is_refused(golden,
+                                   [](std::span<const std::byte> b) { return decode(b, kMost).ok(); });
+  }
+}
+
+TEST(Golden, CubesOfEveryVersionDecodeToWhatTheyWereMadeOf) {
+  for (const Codec& codec : codecs()) {
+    SCOPED_TRACE(codec.name);
+    const CubeMesh cube = in_order(golden_cube(), codec);
+    const core::Bytes now = encode(cube, codec).bytes;
+    const core::Bytes golden = golden_bytes(codec, "blocks", now);
+    ASSERT_FALSE(golden.empty());
+    EXPECT_EQ(now, golden);
+    const auto decoded = decode_cube(golden, kMost);
+    ASSERT_TRUE(decoded) << decoded.defect().message;
+    EXPECT_TRUE(decoded.value() == cube);
+    expect_every_damage_is_refused(golden,
+                                   [](std::span<const std::byte> b) { return decode_cube(b, kMost).ok(); });
+  }
+}
+
+}  // namespace
+}  // namespace colossus::codec

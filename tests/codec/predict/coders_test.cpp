@@ -1,0 +1,258 @@
+// The entropy coders and the traversal on their own: whatever goes in comes out, and nonsense ends.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "codec/predict/basis.hpp"
+#include "codec/predict/connectivity.hpp"
+#include "codec/predict/values.hpp"
+#include "codec/renumber.hpp"
+#include "core/error.hpp"
+
+namespace colossus::codec::predict {
+namespace {
+
+using mesh::Triangle;
+using Random = std::mt19937_64;
+
+std::uint32_t pick(Random& random, std::uint32_t low, std::uint32_t high) {
+  return std::uniform_int_distribution<std::uint32_t>(low, high)(random);
+}
+
+TEST(BitCoder, DecodesWhatItEncoded) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    struct Piece {
+      std::uint32_t model;
+      std::uint32_t value;
+    };
+    std::vector<Piece> pieces(pick(random, 0, 3000));
+    BitEncoder encoder;
+    std::array<BitModel, 3> models;
+    // Model 0 learns to be all but sure, and is wrong at times.
+    for (Piece& piece : pieces) {
+      piece.model = pick(random, 0, 4);
+      const std::uint32_t one_in = piece.model == 0 ? 2000 : 4 * piece.model;
+      if (piece.model < 3)
+        encoder.put(models[piece.model], (piece.value = pick(random, 1, one_in) == 1 ? 1 : 0) != 0);
+      else
+        encoder.put_bits(piece.value = pick(random, 0, (1U << 4 * piece.model) - 1),
+                         static_cast<int>(4 * piece.model));
+    }
+    const core::Bytes bytes = encoder.finish();
+    BitDecoder decoder(bytes);
+    models = {};
+    for (const Piece& piece : pieces) {
+      const std::uint32_t value = piece.model < 3 ? (decoder.get(models[piece.model]) ? 1U : 0U)
+                                                  : decoder.get_bits(static_cast<int>(4 * piece.model));
+      ASSERT_EQ(value, piece.value);
+    }
+  }
+}
+
+TEST(Values, TokensTileAllNumbers) {
+  std::uint64_t next = 0;
+  for (std::uint32_t token = 0; token < kTokens; ++token) {
+    EXPECT_EQ(kTokenRanges[token].base, next);
+    EXPECT_EQ(token_of(kTokenRanges[token].base), token);
+    next += std::uint64_t{1} << kTokenRanges[token].bits;
+    EXPECT_EQ(token_of(static_cast<std::uint32_t>(next - 1)), token);
+  }
+  EXPECT_EQ(next, std::uint64_t{1} << 32);
+  for (const std::int32_t value : {0, 1, -1, 2147483647, -2147483647 - 1})
+    EXPECT_EQ(to_signed(to_unsigned(value)), value);
+}
+
+TEST(Values, DecodeWhatWasEncoded) {
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    constexpr std::uint32_t kContexts = 5;
+    std::vector<std::vector<std::uint32_t>> batches(pick(random, 0, 6));
+    ValueEncoder encoder(kContexts);
+    const std::uint32_t drop = pick(random, 0, 31);
+    const auto context_of = [](std::size_t i) { return static_cast<std::uint32_t>(i % (kContexts - 1)); };
+    for (auto& batch : batches) {
+      batch.resize(pick(random, 0, 100));
+      for (std::size_t i = 0; i < batch.size(); ++i) {
+        batch[i] = context_of(i) == 2 ? 7 : static_cast<std::uint32_t>(random()) >> drop;
+        encoder.put(context_of(i), batch[i]);
+      }
+      encoder.end_batch();
+    }
+    const core::Bytes bytes = encoder.finish();
+    ValueDecoder decoder(bytes, kContexts);
+    for (const auto& batch : batches) {
+      std::vector<std::uint32_t> values(batch.size());
+      decoder.get_batch(values, context_of);
+      ASSERT_EQ(values, batch);
+    }
+    EXPECT_TRUE(decoder.is_done());
+    if (bytes.empty()) continue;
+    // Any other length is noticed, if not at once.
+    const std::span<const std::byte> cut(bytes.data(), bytes.size() - 1);
+    ValueDecoder shorter(cut, kContexts);
+    for (const auto& batch : batches) {
+      std::vector<std::uint32_t> values(batch.size());
+      shorter.get_batch(values, context_of);
+    }
+    EXPECT_FALSE(shorter.is_done());
+  }
+}
+
+TEST(Values, NonsenseEnds) {
+  for (std::uint64_t seed = 1; seed <= 500; ++seed) {
+    Random random(seed);
+    core::Bytes bytes(pick(random, 0, 200));
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+    ValueDecoder decoder(bytes, 3);
+    std::vector<std::uint32_t> values(1000);
+    decoder.get_batch(values, [](std::size_t i) { return i % 3; });
+  }
+}
+
+struct Coded {
+  CodedPart part;
+  core::Bytes bytes;
+};
+
+Coded coded(std::vector<Triangle> triangles, std::uint32_t vertex_count) {
+  Coded result;
+  order_by_traversal(triangles, vertex_count);
+  renumber_by_first_use(triangles, vertex_count);
+  result.part.triangles = std::move(triangles);
+  result.part.positions.resize(vertex_count);
+  BitEncoder encoder;
+  SymbolModel model;
+  LinkStore store(vertex_count);
+  encode_connectivity(encoder, model, result.part, store.links(vertex_count));
+  result.bytes = encoder.finish();
+  return result;
+}
+
+void expect_round_trip(const std::vector<Triangle>& triangles, std::uint32_t vertex_count) {
+  const Coded from = coded(triangles, vertex_count);
+  // Sorted with the least corner first, it is the same set of triangles.
+  const auto sorted = [](std::vector<Triangle> all) {
+    for (Triangle& t : all) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  std::vector<Triangle> again = from.part.triangles;
+  order_by_traversal(again, vertex_count);
+  EXPECT_EQ(again, from.part.triangles) << "the order is no fixed point";
+  std::vector<Triangle> ordered = triangles;
+  order_by_traversal(ordered, vertex_count);
+  EXPECT_EQ(sorted(ordered), sorted(triangles));
+  CodedPart to;
+  to.positions.resize(vertex_count);
+  to.triangles.resize(triangles.size());
+  BitDecoder decoder(from.bytes);
+  SymbolModel model;
+  LinkStore store(vertex_count);
+  ASSERT_TRUE(decode_connectivity(decoder, model, to, store.links(vertex_count)));
+  EXPECT_EQ(to.triangles, from.part.triangles);
+}
+
+TEST(Traversal, KeepsAnyTriangles) {
+  expect_round_trip({}, 0);
+  expect_round_trip({{0, 1, 2}}, 3);
+  expect_round_trip({{0, 0, 0}}, 1);
+  expect_round_trip({{0, 1, 2}, {0, 1, 2}, {2, 1, 0}}, 3);
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const std::uint32_t vertex_count = pick(random, 1, 12);
+    std::vector<Triangle> triangles(pick(random, 0, 25));
+    for (Triangle& t : triangles)
+      for (auto& v : t) v = pick(random, 0, vertex_count - 1);
+    expect_round_trip(triangles, vertex_count);
+  }
+}
+
+std::vector<Triangle> torus(std::uint32_t columns, std::uint32_t rows) {
+  std::vector<Triangle> triangles;
+  for (std::uint32_t y = 0; y < rows; ++y)
+    for (std::uint32_t x = 0; x < columns; ++x) {
+      const auto at = [&](std::uint32_t dx, std::uint32_t dy) {
+        return (y + dy) % rows * columns + (x + dx) % columns;
+      };
+      triangles.push_back({at(0, 0), at(1, 0), at(0, 1)});
+      triangles.push_back({at(1, 0), at(1, 1), at(0, 1)});
+    }
+  return triangles;
+}
+
+// A regular closed surface with a handle is next to nothing.
+TEST(Traversal, KeepsATorusInFewBits) {
+  std::vector<Triangle> triangles = torus(60, 50);
+  expect_round_trip(triangles, 3000);
+  EXPECT_LT(8 * coded(triangles, 3000).bytes.size(), 3000U / 2);
+}
+
+// A vertex of 100,000 triangles, and as many triangles on one edge, take no more time than others.
+TEST(Traversal, IsLinearInFansAndFins) {
+  constexpr std::uint32_t kCount = 100000;
+  std::vector<Triangle> fan;
+  std::vector<Triangle> fins;
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    fan.push_back({0, i + 1, i + 2});
+    fins.push_back({0, 1, i + 2});
+  }
+  expect_round_trip(fan, kCount + 2);
+  expect_round_trip(fins, kCount + 2);
+}
+
+TEST(Traversal, NonsenseEndsInValidTriangles) {
+  std::size_t accepted = 0;
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    core::Bytes bytes(pick(random, 0, 60));
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+    CodedPart part;
+    const std::uint32_t vertex_count = pick(random, 0, 40);
+    part.positions.resize(vertex_count);
+    part.triangles.resize(pick(random, 0, 80));
+    BitDecoder decoder(bytes);
+    SymbolModel model;
+    LinkStore store(vertex_count);
+    if (!decode_connectivity(decoder, model, part, store.links(vertex_count))) continue;
+    ++accepted;
+    for (const Triangle& t : part.triangles)
+      for (const std::uint32_t v : t) ASSERT_LT(v, vertex_count);
+    const Links links = store.finish(vertex_count);
+    for (std::uint32_t v = 0; v < vertex_count; ++v) {
+      if (links.of[v].neighbor_count > 0) {
+        for (const std::uint32_t neighbor : links.of[v].neighbors) ASSERT_LT(neighbor, v);
+      }
+      if (links.of[v].relation_count > 0) {
+        for (const Relation& r : links.of[v].relations)
+          ASSERT_LT(std::max({r.first, r.second, r.opposite}), v);
+      }
+    }
+  }
+  EXPECT_GT(accepted, 100U);
+}
+
+// Whatever a head can say of a frame.
+TEST(Basis, IsUnimodularForAnyFrame) {
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    Frame frame{};
+    for (auto& row : frame)
+      for (auto& entry : row) entry = static_cast<std::int8_t>(static_cast<int>(pick(random, 0, 4)) - 2);
+    const Basis basis = basis_of(frame);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        std::int32_t product = 0;
+        for (std::size_t k = 0; k < 3; ++k) product += basis.to_weights[i][k] * basis.from_weights[k][j];
+        EXPECT_EQ(product, i == j ? 1 : 0);
+      }
+  }
+}
+
+}  // namespace
+}  // namespace colossus::codec::predict
