@@ -1,9 +1,11 @@
 """Scratch that no later phase reads is deleted while the build goes on."""
 import json
+import os
 import re
 
 import faults
 import program
+from faults import Fault
 
 
 class Release(faults.FaultTest):
@@ -21,6 +23,17 @@ class Release(faults.FaultTest):
             print(f"{options} on {ranks} ranks: {used} bytes at a time of {written:.0f}")
             self.assertLess(used, written / 2)
             self.assertLessEqual(self.most_streams(run), most_streams)
+            self.check_nothing_is_done_again(builder, ranks)
+
+    def check_nothing_is_done_again(self, builder, ranks):
+        """Of a build that is killed when all is done but the container's name: the tasks of the next attempt are the same,
+        though their results came in another order. Else they would need what was deleted."""
+        self.reference[tuple(builder.options)] = self.path(f"reference_{ranks}.h5")
+        os.rename(builder.output, self.reference[tuple(builder.options)])
+        run = builder.run(ranks=ranks, fault=Fault("rename", 1, "before", "-9"))
+        self.assertNotEqual(run.status, program.OK)
+        trace = self.assert_resumes(builder, "killed at the end", ranks).trace()
+        self.assertEqual([line for line in trace if line[2] == "task"], [])
 
     def most_streams(self, run):
         """How many streams besides the one that is kept had files at a time."""
