@@ -42,7 +42,7 @@ Cut cut_with_triangles(const Statue& statue, std::uint64_t triangles);
 
 // The view-dependent cut: a diamond in the cut is split while the distance of the eye to its bounds, in the
 // maximum norm, is less than kappa times the side of a cube at its level (root side / 2^(level / 3)). Every
-// kappa above 0 gives a conforming cut; others throw Error(kUsage).
+// kappa above 0 gives a conforming cut; others, and eyes that are not finite, throw Error(kUsage).
 Cut cut_at_eye(const Statue& statue, const Eye& eye);
 
 // How many tetrahedra of each level the cut draws, from the root on.

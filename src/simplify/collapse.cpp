@@ -13,6 +13,8 @@
 #include "simplify/candidates.hpp"
 #include "simplify/deviation.hpp"
 #include "simplify/merged_box.hpp"
+#include "simplify/seams.hpp"
+#include "simplify/survivors.hpp"
 #include "simplify/vertex_class.hpp"
 
 namespace colossus::simplify {
@@ -23,7 +25,6 @@ using geometry::Vec3;
 using mesh::Triangle;
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
-constexpr std::uint32_t kSeveral = kNone - 1;
 // Planes across the input's border, against the triangles' own: a border is more visible than its area says.
 constexpr double kBorderWeight = 4.0;
 // A triangle may turn by at most about 78 degrees in one collapse.
@@ -58,7 +59,7 @@ class Collapser {
       const std::size_t before = live_count_;
       const bool tried_all = pass(breadth);
       ++outcome.passes;
-      compact_triangles();
+      drop_dead_triangles(region_);
       // Below a thousandth of what is still wanted: the cheapest collapses left are illegal, or all are, and
       // further passes only cost time.
       if ((before - live_count_) * 1000 > before - target_) continue;
@@ -124,7 +125,7 @@ class Collapser {
     adjacency_.build(triangles(), count);
     is_touched_.assign(count, false);
     compute_quadrics();
-    find_seams();
+    seams_.find(region_);
     collect_candidates();
     if (candidates_.empty()) return true;
     const std::size_t rank = breadth * (live_count_ - target_) / 2;
@@ -186,19 +187,6 @@ class Collapser {
     }
   }
 
-  void find_seams() {
-    if (region_.next_regions.empty()) return;
-    next_region_.assign(positions_.size(), kNone);
-    for (std::size_t i = 0; i < triangles().size(); ++i)
-      for (const auto v : triangles()[i]) {
-        const std::uint32_t region = region_.next_regions[region_.cells[i]];
-        next_region_[v] = next_region_[v] == kNone || next_region_[v] == region ? region : kSeveral;
-      }
-  }
-
-  // Whether v lies on a border that will be locked.
-  bool is_on_seam(std::uint32_t v) const { return !next_region_.empty() && next_region_[v] == kSeveral; }
-
   void collect_candidates() {
     candidates_.clear();
     for (const Triangle& t : triangles())
@@ -239,7 +227,7 @@ class Collapser {
     double cost = quadrics_[a].at(place) + quadrics_[b].at(place);
     if (region_.may_place) return cost;
     if ((faces(b) & region_.outer_faces) != 0) cost *= kOntoLockedFactor;
-    if (is_on_seam(a) && is_on_seam(b)) cost *= kAlongSeamFactor;
+    if (seams_.has(a) && seams_.has(b)) cost *= kAlongSeamFactor;
     return cost;
   }
 
@@ -432,7 +420,7 @@ class Collapser {
       Triangle& t = triangles()[i];
       if (is_dead(t)) continue;
       if (t[0] == b || t[1] == b || t[2] == b) {
-        t = {kNone, kNone, kNone};
+        t = kDeadTriangle;
         --live_count_;
       } else {
         for (auto& v : t) v = v == a ? b : v;
@@ -443,45 +431,9 @@ class Collapser {
     if (!merged_.empty()) merged_[b].add(merged_[a]);
   }
 
-  void compact_triangles() {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < triangles().size(); ++i)
-      if (!is_dead(triangles()[i])) {
-        triangles()[kept] = triangles()[i];
-        region_.cells[kept] = region_.cells[i];
-        ++kept;
-      }
-    triangles().resize(kept);
-    region_.cells.resize(kept);
-  }
-
-  // Drops dead vertices, keeps the others in their order, and measures what has become of the surface.
+  // Drops dead vertices, and measures what has become of the surface.
   void finish(Outcome& outcome) {
-    const std::size_t count = positions_.size();
-    std::vector<bool> is_used(count, false);
-    for (const Triangle& t : triangles())
-      for (const auto v : t) is_used[v] = true;
-    if (!region_.may_place)
-      for (std::uint32_t v = 0; v < count; ++v) is_used[v] = is_used[v] || representative_[v] == v;
-    std::vector<std::uint32_t> renumbered(count, kNone);
-    std::uint32_t kept = 0;
-    for (std::uint32_t v = 0; v < count; ++v)
-      if (is_used[v]) {
-        region_.mesh.vertices[kept] = region_.mesh.vertices[v];
-        region_.faces[kept] = region_.faces[v];
-        renumbered[v] = kept++;
-      }
-    region_.mesh.vertices.resize(kept);
-    region_.faces.resize(kept);
-    for (Triangle& t : triangles())
-      for (auto& v : t) v = renumbered[v];
-    outcome.representative.resize(count);
-    for (std::uint32_t v = 0; v < count; ++v) {
-      std::uint32_t root = v;
-      while (representative_[root] != root)
-        root = representative_[root] = representative_[representative_[root]];
-      outcome.representative[v] = renumbered[root];
-    }
+    outcome.representative = drop_dead_vertices(region_, std::move(representative_));
     const bool has_border =
         std::find(classes_.begin(), classes_.end(), VertexClass::kBorder) != classes_.end();
     const Deviation deviation = measure_deviation(before_, region_.mesh, region_.cells,
@@ -494,7 +446,6 @@ class Collapser {
     for (const std::uint32_t i : adjacency_.around(v))
       if (!is_dead(region_.mesh.triangles[i])) visit(region_.mesh.triangles[i]);
   }
-  static bool is_dead(const Triangle& t) { return t[0] == kNone; }
   static bool has_vertex(const Triangle& t, std::uint32_t v) { return t[0] == v || t[1] == v || t[2] == v; }
 
   // Live triangles around a that also hold b; a must be untouched in this pass.
@@ -533,7 +484,7 @@ class Collapser {
   std::vector<Vec3> positions_;
   double color_unit_ = 0.0;  // lattice units per step of a colour
   std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> next_region_;  // per vertex: the one of its triangles, or kSeveral
+  Seams seams_;
   std::vector<Candidate> candidates_;
   double cost_limit_ = 0.0;  // of the pass
   std::vector<Candidate> sorted_;
