@@ -72,8 +72,9 @@ struct Catalog {
   geometry::Bounds bounds;
   geometry::Lattice lattice;
   InputCounts counts;
-  std::uint64_t far_triangles =
-      0;  // whose first vertex is far from that of the triangle before, by number; on rank 0
+  // Vertices that a block of triangles has, roughly, summed over the blocks: about half as many as triangles where
+  // their order is that of space, and up to three times as many. On rank 0.
+  std::uint64_t block_vertices = 0;
   bool has_normals = false;  // at least one file has them; the others' are computed
   bool has_colors = false;
 };
