@@ -246,6 +246,22 @@ class Stale(faults.FaultTest):
         run = self.assert_resumes(builder, "the input is back")
         self.assertRegex(run.text("stdout"), "resume: requests: [1-9]")
 
+    def test_of_two_that_resume_at_once_one_does(self):
+        builder = self.builder("two", [self.statue(2000)], SCHEMES["diamonds"])
+        self.make_reference(builder)
+        self.assertEqual(builder.run(fault=Fault("5.task", 1, "after", "-9")).status, -signal.SIGKILL)
+        # Its first rename is that of the folder which it takes over.
+        first = builder.start("--resume", fault=Fault("rename", 1, "before", str(-signal.SIGSTOP)))
+        wait_until(lambda: state_of(first.process.pid) == "T")
+        second = builder.start("--resume", fault=Fault("8.task", 1, "after", str(-signal.SIGSTOP)))
+        wait_until(lambda: state_of(second.process.pid) == "T")
+        first.process.send_signal(signal.SIGCONT)
+        self.assertEqual(first.wait().status, program.CANNOT_CREATE, str(first))
+        self.assertIn("another build has just begun to use the scratch directory", first.errors[0])
+        second.process.send_signal(signal.SIGCONT)
+        self.assertEqual(second.wait().status, program.OK, str(second))
+        self.assertTrue(self.is_right(builder))
+
     def test_an_input_that_changes_while_it_is_read(self):
         changes = {"grows": lambda size: size + 1, "shrinks": lambda size: size // 2, "is emptied": lambda size: 0}
         for what, new_size in changes.items():
