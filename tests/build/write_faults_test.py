@@ -90,6 +90,16 @@ class WriteFaults(faults.FaultTest):
             self.assertIn(os.strerror(int(fault.action)), run.errors[0], what)
         self.assert_resumes(builder, what, RANKS)
 
+    def test_folders_that_cannot_be_written(self):
+        options = ["--leaf-triangles", 300]
+        statue = self.statue(400)
+        trace = self.make_reference(self.builder("reference", [statue], options))
+        for name in "mkdir", "create", "rename":
+            for n in range(1, sum(operation == name for operation, *_ in trace) + 1):
+                builder = self.builder(f"{name}_{n}", [statue], options)
+                fault = Fault(name, n, "before", str(self.random.choice([errno.EACCES, errno.EROFS])))
+                self.check_fault(builder, fault, (program.CANNOT_CREATE,), str(fault))
+
     def test_diamonds(self):
         self.check("diamonds", "--leaf-triangles", 300)
 
