@@ -21,6 +21,7 @@ import zstandard
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import paper_codec  # noqa: E402
+import predicted_payload  # noqa: E402
 
 SCHEMA_MAJOR = 1
 IS_LEAF = 1
@@ -159,7 +160,10 @@ def decode_payload(data):
         raise BadContainer("payload: a section for what the node does not have")
     sections = [section if has else None for section, has in zip(sections, present)]
     vertex_counts, triangle_counts = heads[:, 1].tolist(), heads[:, 2].tolist()
-    arrays = CODECS[codec, version](sections, vertex_counts, triangle_counts, bits, is_cube)
+    if codec == CODEC_PREDICT:
+        arrays = decode_predicted(sections, heads, bits, is_cube)
+    else:
+        arrays = CODECS[codec, version](sections, vertex_counts, triangle_counts, bits, is_cube)
     parts = [{"place": int(heads[i, 0]) >> 24, **{k: None if v is None else v[i] for k, v in arrays.items()}}
              for i in range(count)]
     return {"bits": bits, "is_cube": is_cube, "offset": offset, "parts": parts}
@@ -200,7 +204,35 @@ def decode_paper(*arguments):
         raise BadContainer(f"payload: {error}")
 
 
-CODECS = {(3, 1): decode_packed, (4, 1): decode_paper}
+def decode_predicted(sections, heads, bits, is_cube):
+    """Codec 5, "predict", which looks at the parts' frames, too."""
+    parts = []
+    for word, n, t in heads.tolist():
+        digits = [(word & 0xffffff) // 5**(8 - i) % 5 - 2 for i in range(9)]
+        parts.append({"vertices": n, "triangle_count": t, "frame": [digits[0:3], digits[3:6], digits[6:9]]})
+    names = dict(zip(("normals", "colors", "parents"), sections[2:]))
+    head = {"bits": bits, "is_cube": is_cube, "parts": parts,
+            **{f"has_{name}": section is not None for name, section in names.items()}}
+    try:
+        predicted_payload.decode_sections(head, [section or b"" for section in sections])
+    except predicted_payload.BadSections as error:
+        raise BadContainer(f"payload: {error}") from error
+
+    def arrays(name, width, dtype):
+        return [numpy.array(part[name], dtype=dtype).reshape(-1, width) for part in parts]
+
+    result = {"positions": [p[:, :3] for p in arrays("positions", 4, numpy.int64)],
+              "triangles": arrays("triangles", 3, numpy.int64), "normals": None, "colors": None, "parents": None}
+    for name, width, dtype in (("normals", 2, numpy.uint8), ("colors", 4, numpy.uint8)):
+        if names[name] is not None:
+            result[name] = arrays(name, width, dtype)
+    if names["parents"] is not None:
+        result["parents"] = [numpy.array(part["parents"], dtype=numpy.int64) for part in parts]
+    return result
+
+
+CODEC_PREDICT = 5
+CODECS = {(3, 1): decode_packed, (4, 1): decode_paper, (CODEC_PREDICT, 1): decode_predicted}
 SECTIONS = ("connectivity", "positions", "normals", "colors", "parents")
 
 

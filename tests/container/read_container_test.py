@@ -17,7 +17,7 @@ except ImportError as error:
     print(f"skipped: {error}; install python3-h5py, python3-numpy and python3-zstandard")
     sys.exit(77)
 
-SAMPLE, SCRIPT = sys.argv[1:3]
+SAMPLE, SCRIPT, GOLDEN = sys.argv[1:4]
 CODECS = ("zstd", "paper")
 spec = importlib.util.spec_from_file_location("read_container", SCRIPT)
 sys.dont_write_bytecode = True
@@ -113,6 +113,36 @@ class Payload(unittest.TestCase):
             for size in range(len(payload)):
                 with self.assertRaises(rc.BadContainer):
                     rc.decode_payload(payload[:size])
+
+
+class Golden(unittest.TestCase):
+    """The golden payloads of all codecs were made of the same meshes."""
+
+    def golden(self, codec, scheme):
+        with open(os.path.join(GOLDEN, f"{codec}_1_{scheme}"), "rb") as file:
+            return rc.decode_payload(file.read())
+
+    @staticmethod
+    def meshes(part):
+        """Whatever the order: vertices, and triangles as their corners' positions from the least on."""
+        names = [n for n in ("normals", "colors", "parents") if part[n] is not None]
+        columns = [part["positions"]] + [part[n].reshape(len(part["positions"]), -1) for n in names]
+        corners = part["positions"][part["triangles"]].tolist()
+        return (sorted(numpy.hstack(columns).tolist()),
+                sorted(t[t.index(min(t)):] + t[:t.index(min(t))] for t in corners))
+
+    def test_all_say_the_same(self):
+        for scheme, places in (("diamonds", [1, 4]), ("blocks", [0])):
+            one, other = self.golden("zstd", scheme), self.golden("predict", scheme)
+            self.assertEqual([p["place"] for p in one["parts"]], places)
+            self.assertEqual([self.meshes(p) for p in one["parts"]], [self.meshes(p) for p in other["parts"]])
+
+    def test_truncation_of_predict_is_refused(self):
+        with open(os.path.join(GOLDEN, "predict_1_diamonds"), "rb") as file:
+            payload = file.read()
+        for size in range(0, len(payload), 7):
+            with self.assertRaises(rc.BadContainer):
+                rc.decode_payload(payload[:size])
 
 
 class Program(unittest.TestCase):
