@@ -83,7 +83,19 @@ class Opening {
 
   // Returns the number of this attempt, which now has the directory.
   std::uint16_t prepare_directory() {
-    scratch::DirectoryContent content = scratch::look_into_directory(directory_);
+    for (int look = 0;; ++look) {
+      const scratch::DirectoryContent content = scratch::look_into_directory(directory_);
+      try {
+        return take_directory(content);
+      } catch (const core::Error&) {
+        // Ranks of an earlier attempt that still lived may have come to the end, and removed what was found.
+        if (look == kLooks || content.attempt == 0 || scratch::look_into_directory(directory_).attempt != 0)
+          throw;
+      }
+    }
+  }
+
+  std::uint16_t take_directory(scratch::DirectoryContent content) {
     if (!content.exists) {
       if (may_resume_)
         core::log("resume: there is no scratch directory {}: starting anew", directory_.string());

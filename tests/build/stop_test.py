@@ -262,6 +262,20 @@ class Stale(faults.FaultTest):
         self.assertEqual(second.wait().status, program.OK, str(second))
         self.assertTrue(self.is_right(builder))
 
+    def test_scratch_that_vanishes_since_the_first_attempt_comes_to_its_end(self):
+        builder = self.builder("vanishes", [self.statue(2000)], SCHEMES["diamonds"])
+        self.make_reference(builder)
+        first = builder.start(fault=Fault("8.task", 1, "after", str(-signal.SIGSTOP)))
+        wait_until(lambda: state_of(first.process.pid) == "T")
+        second = builder.start("--resume", fault=Fault("rename", 1, "before", str(-signal.SIGSTOP)))
+        wait_until(lambda: state_of(second.process.pid) == "T")
+        first.process.send_signal(signal.SIGCONT)
+        self.assertEqual(first.wait().status, program.OK, str(first))
+        second.process.send_signal(signal.SIGCONT)
+        self.assertEqual(second.wait().status, program.OK, str(second))
+        self.assertTrue(self.is_right(builder))
+        self.assertEqual(os.listdir(os.path.dirname(builder.output)), ["statue.h5"])
+
     def test_an_input_that_changes_while_it_is_read(self):
         changes = {"grows": lambda size: size + 1, "shrinks": lambda size: size // 2, "is emptied": lambda size: 0}
         for what, new_size in changes.items():
