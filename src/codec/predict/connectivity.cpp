@@ -152,13 +152,15 @@ class DecodingSource {
  public:
   static constexpr bool kNeedsEnds = false;
 
-  DecodingSource(BitDecoder& decoder, SymbolModel& model) : decoder_(decoder), model_(model) {}
+  DecodingSource(const BitDecoder& decoder, SymbolModel& model) : decoder_(decoder), model_(model) {}
   std::array<std::uint32_t, 3> seed(std::uint32_t known) { return model_.get_seed(decoder_, known); }
   Step step(const Situation& at, std::uint32_t known) { return model_.get(decoder_, at, known); }
   void opened(std::uint32_t, GateOrigin) {}
+  const BitDecoder& decoder() const { return decoder_; }
 
  private:
-  BitDecoder& decoder_;
+  // A copy, which nothing else can point to: so it stays in registers.
+  BitDecoder decoder_;
   SymbolModel& model_;
 };
 
@@ -225,7 +227,9 @@ void encode_connectivity(BitEncoder& encoder, SymbolModel& model, const CodedPar
 bool decode_connectivity(BitDecoder& decoder, SymbolModel& model, CodedPart& part,
                          std::span<VertexLinks> links) {
   DecodingSource source(decoder, model);
-  return Traversal(source, std::span(part.triangles), links).run();
+  const bool is_valid = Traversal(source, std::span(part.triangles), links).run();
+  decoder = source.decoder();
+  return is_valid;
 }
 
 }  // namespace colossus::codec::predict
