@@ -352,7 +352,7 @@ def rounded_quotient(numerator, denominator):
 def reduced(vector, bits):
     size = 0
     for x in vector:
-        size |= abs(x)
+        size |= ~x if x < 0 else x
     excess = max(0, size.bit_length() - bits)
     return [x >> excess for x in vector]
 
@@ -395,7 +395,7 @@ class Positions:
             return points[v - 1] if v else [0, 0, 0], [0, 0, 0]
         ends = [[points[p][i] + points[q][i] - points[r][i] for i in range(3)]
                 for p, q, r in self.vertices[v].three_relations()]
-        point = [wrap32((2 * ends[0][i] + ends[1][i] + ends[2][i] + 2) >> 2) for i in range(3)]
+        point = [wrap32(2 * ends[0][i] + ends[1][i] + ends[2][i] + 2) >> 2 for i in range(3)]
         p, q, r = (points[k] for k in relations[0])
         normal = cross(*[[wrap32(x - y) >> self.shift for x, y in zip(to, p)] for to in (q, r)])
         return point, reduced(normal, 28)
@@ -503,7 +503,7 @@ def decode_normals(values, mode, part, vertices, position_bits):
     borders = [v.is_border for v in vertices]
     first = values.batch([int(b) for b in borders])
     second = values.batch([2 + 6 * b + class_of(u, 1, 3, 7, 15, 31) for b, u in zip(borders, first)])
-    shift = max(0, position_bits - 18)
+    shift = max(0, position_bits - 16)
     points = [[dot([w[row] >> shift for row in range(3)], [part["frame"][row][axis] for row in range(3)])
                for axis in range(3)] for w in part["positions"]]
     sums = [[0, 0, 0] for _ in points]

@@ -2,6 +2,9 @@
 // angles, where barycentric weights run along the edges of a flat tetrahedron.
 #pragma once
 
+#include <algorithm>
+#include <bit>
+
 #include "codec/coded_node.hpp"
 
 namespace colossus::codec::predict {
@@ -17,6 +20,9 @@ constexpr std::int32_t wrapped_sum(std::int32_t a, std::int32_t b) {
 constexpr std::int32_t wrapped_difference(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
 }
+constexpr std::int64_t wrapped_sum(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
 constexpr std::int64_t wrapped_product(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) * static_cast<std::uint64_t>(b));
 }
@@ -28,6 +34,12 @@ constexpr std::int32_t wrapped_dot(const Vector& a, const Vector& b) {
   for (std::size_t i = 0; i < 3; ++i)
     sum += static_cast<std::uint32_t>(a[i]) * static_cast<std::uint32_t>(b[i]);
   return static_cast<std::int32_t>(sum);
+}
+
+// How many bits more than these the numbers have, signs apart.
+constexpr int excess_bits(std::int64_t x, std::int64_t y, std::int64_t z, int bits) {
+  const auto size = static_cast<std::uint64_t>((x ^ x >> 63) | (y ^ y >> 63) | (z ^ z >> 63));
+  return std::max(0, static_cast<int>(std::bit_width(size)) - bits);
 }
 
 // To the nearest, halves up. The denominator is positive, the numerator below 2^61.

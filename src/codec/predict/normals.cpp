@@ -8,27 +8,32 @@
 namespace colossus::codec::predict {
 namespace {
 
-// Differences of coordinates keep so many bits: cross products, summed over a million triangles, fit.
-constexpr int kEdgeBits = 18;
+// Coordinates keep so many bits, and one for 2^bits itself. Sums over a million triangles fit; what does not,
+// wraps.
+constexpr int kEdgeBits = 16;
+constexpr std::uint32_t kEdgeMask = (2U << kEdgeBits) - 1;
 // A component of a sum keeps so many bits when it is projected.
 constexpr int kSumBits = 14;
 
 // Sums of face normals at each vertex, by area.
 std::vector<LongVector> face_sums(const CodedNode& node, const CodedPart& part) {
   const int shift = std::max(0, node.position_bits - kEdgeBits);
-  Buffer<Vector> points(part.positions.size());
+  Buffer<std::array<std::int32_t, 4>> points(part.positions.size());
+  std::array<std::array<std::uint32_t, 3>, 3> frame;
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      frame[row][axis] = static_cast<std::uint32_t>(int{part.frame[row][axis]});
   for (std::size_t v = 0; v < points.size(); ++v) {
     const Coordinates& w = part.positions[v];
     for (std::size_t axis = 0; axis < 3; ++axis) {
       std::uint32_t sum = 0;
-      for (std::size_t row = 0; row < 3; ++row)
-        sum += (w[row] >> shift) * static_cast<std::uint32_t>(int{part.frame[row][axis]});
+      for (std::size_t row = 0; row < 3; ++row) sum += (w[row] >> shift & kEdgeMask) * frame[row][axis];
       points[v][axis] = static_cast<std::int32_t>(sum);
     }
   }
   std::vector<LongVector> sums(points.size());
   for (const mesh::Triangle& t : part.triangles) {
-    const Vector& p = points[t[0]];
+    const auto& p = points[t[0]];
     LongVector a{};
     LongVector b{};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -37,7 +42,7 @@ std::vector<LongVector> face_sums(const CodedNode& node, const CodedPart& part) 
     }
     const LongVector n{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
     for (const std::uint32_t v : t)
-      for (std::size_t i = 0; i < 3; ++i) sums[v][i] += n[i];
+      for (std::size_t i = 0; i < 3; ++i) sums[v][i] = wrapped_sum(sums[v][i], n[i]);
   }
   return sums;
 }
@@ -47,11 +52,12 @@ std::vector<LongVector> smoothed(const std::vector<LongVector>& sums, const Code
                                  std::int64_t weight) {
   std::vector<LongVector> result(sums.size());
   for (std::size_t v = 0; v < sums.size(); ++v)
-    for (std::size_t i = 0; i < 3; ++i) result[v][i] = weight * sums[v][i];
+    for (std::size_t i = 0; i < 3; ++i) result[v][i] = wrapped_product(weight, sums[v][i]);
   for (const mesh::Triangle& t : part.triangles)
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::int64_t all = sums[t[0]][i] + sums[t[1]][i] + sums[t[2]][i];
-      for (const std::uint32_t v : t) result[v][i] += all - sums[v][i];
+      const std::int64_t all = wrapped_sum(wrapped_sum(sums[t[0]][i], sums[t[1]][i]), sums[t[2]][i]);
+      for (const std::uint32_t v : t)
+        result[v][i] = wrapped_sum(result[v][i], wrapped_difference(all, sums[v][i]));
     }
   return result;
 }
@@ -68,11 +74,8 @@ struct Projection {
 
 inline Projection project(const LongVector& n) {
   Projection projection;
-  const std::uint64_t size = static_cast<std::uint64_t>(std::abs(n[0])) |
-                             static_cast<std::uint64_t>(std::abs(n[1])) |
-                             static_cast<std::uint64_t>(std::abs(n[2]));
-  if (size == 0) return projection;
-  const int excess = std::max(0, static_cast<int>(std::bit_width(size)) - kSumBits);
+  if ((n[0] | n[1] | n[2]) == 0) return projection;
+  const int excess = excess_bits(n[0], n[1], n[2], kSumBits);
   const auto x = static_cast<std::int32_t>(n[0] >> excess);
   const auto y = static_cast<std::int32_t>(n[1] >> excess);
   const auto z = static_cast<std::int32_t>(n[2] >> excess);

@@ -80,6 +80,9 @@ struct FacePrediction {
 
 class Predictor {
  public:
+  // Of four coordinates, the last 0; unsigned, so that they wrap.
+  using Point = std::array<std::uint32_t, 4>;
+
   Predictor(const Basis& basis, const Links& links, const CodedNode& node, std::size_t vertex_count)
       : basis_(basis),
         links_(links.of),
@@ -130,7 +133,8 @@ class Predictor {
     return weights;
   }
   void set_point(std::uint32_t v, const Vector& point) {
-    for (std::size_t i = 0; i < 3; ++i) points_[v][i] = point[i];
+    for (std::size_t i = 0; i < 3; ++i) points_[v][i] = static_cast<std::uint32_t>(point[i]);
+    points_[v][3] = 0;
   }
 
   // In line, or the prediction would go through memory.
@@ -139,26 +143,41 @@ class Predictor {
     const VertexLinks& links = links_[v];
     if (links.relation_count == 0) {
       if (v == 0) return prediction;
-      prediction.x = points_[v - 1][0];
-      prediction.y = points_[v - 1][1];
-      prediction.z = points_[v - 1][2];
+      prediction.x = static_cast<std::int32_t>(points_[v - 1][0]);
+      prediction.y = static_cast<std::int32_t>(points_[v - 1][1]);
+      prediction.z = static_cast<std::int32_t>(points_[v - 1][2]);
       return prediction;
     }
-    const Vector& p = points_[links.relations[0].first];
-    const Vector& q = points_[links.relations[0].second];
-    const Vector& r = points_[links.relations[0].opposite];
-    prediction.x = mean(links, 0);
-    prediction.y = mean(links, 1);
-    prediction.z = mean(links, 2);
-    const std::int64_t ax = wrapped_difference(q[0], p[0]) >> shift_;
-    const std::int64_t ay = wrapped_difference(q[1], p[1]) >> shift_;
-    const std::int64_t az = wrapped_difference(q[2], p[2]) >> shift_;
-    const std::int64_t bx = wrapped_difference(r[0], p[0]) >> shift_;
-    const std::int64_t by = wrapped_difference(r[1], p[1]) >> shift_;
-    const std::int64_t bz = wrapped_difference(r[2], p[2]) >> shift_;
-    const std::int64_t nx = ay * bz - az * by;
-    const std::int64_t ny = az * bx - ax * bz;
-    const std::int64_t nz = ax * by - ay * bx;
+    const Point& p = points_[links.relations[0].first];
+    const Point& q = points_[links.relations[0].second];
+    const Point& r = points_[links.relations[0].opposite];
+    const Relation& second = links.relations[1];
+    const Relation& third = links.relations[2];
+    const Point& p2 = points_[second.first];
+    const Point& q2 = points_[second.second];
+    const Point& r2 = points_[second.opposite];
+    const Point& p3 = points_[third.first];
+    const Point& q3 = points_[third.second];
+    const Point& r3 = points_[third.opposite];
+    // The mean of the parallelograms' ends, of which the first counts twice; a loop over four that compilers
+    // turn into a few instructions.
+    alignas(16) std::array<std::int32_t, 4> mean;
+    for (std::size_t i = 0; i < 4; ++i)
+      mean[i] = static_cast<std::int32_t>(2 * (p[i] + q[i] - r[i]) + (p2[i] + q2[i] - r2[i]) +
+                                          (p3[i] + q3[i] - r3[i]) + 2) >>
+                2;
+    prediction.x = mean[0];
+    prediction.y = mean[1];
+    prediction.z = mean[2];
+    const std::int64_t ax = static_cast<std::int32_t>(q[0] - p[0]) >> shift_;
+    const std::int64_t ay = static_cast<std::int32_t>(q[1] - p[1]) >> shift_;
+    const std::int64_t az = static_cast<std::int32_t>(q[2] - p[2]) >> shift_;
+    const std::int64_t bx = static_cast<std::int32_t>(r[0] - p[0]) >> shift_;
+    const std::int64_t by = static_cast<std::int32_t>(r[1] - p[1]) >> shift_;
+    const std::int64_t bz = static_cast<std::int32_t>(r[2] - p[2]) >> shift_;
+    const std::int64_t nx = wrapped_difference(ay * bz, az * by);
+    const std::int64_t ny = wrapped_difference(az * bx, ax * bz);
+    const std::int64_t nz = wrapped_difference(ax * by, ay * bx);
     const int excess = excess_bits(nx, ny, nz, kNormalBits);
     prediction.x_normal = nx >> excess;
     prediction.y_normal = ny >> excess;
@@ -182,21 +201,6 @@ class Predictor {
   FacePrediction predict_on_face(const Prediction& prediction, std::uint32_t face) const;
 
  private:
-  // Of the parallelograms' ends, of which the first counts twice.
-  std::int32_t mean(const VertexLinks& links, std::size_t axis) const {
-    const auto end = [&](const Relation& relation) {
-      return std::int64_t{points_[relation.first][axis]} + points_[relation.second][axis] -
-             points_[relation.opposite][axis];
-    };
-    return static_cast<std::int32_t>(
-        (2 * end(links.relations[0]) + end(links.relations[1]) + end(links.relations[2]) + 2) >> 2);
-  }
-
-  static int excess_bits(std::int64_t x, std::int64_t y, std::int64_t z, int bits) {
-    const auto size = static_cast<std::uint64_t>(std::abs(x) | std::abs(y) | std::abs(z));
-    return std::max(0, static_cast<int>(std::bit_width(size)) - bits);
-  }
-
   LongVector direction_of(const LongVector& gradient) const {
     LongVector direction{};
     for (std::size_t i = 0; i < 3; ++i)
@@ -210,7 +214,7 @@ class Predictor {
   bool is_cube_;
   std::uint32_t one_;
   int shift_;
-  Buffer<Vector> points_;
+  Buffer<Point> points_;
   std::vector<std::uint8_t> faces_;
 };
 
