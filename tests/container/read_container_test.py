@@ -133,9 +133,10 @@ class Golden(unittest.TestCase):
 
     def test_all_say_the_same(self):
         for scheme, places in (("diamonds", [1, 4]), ("blocks", [0])):
-            one, other = self.golden("zstd", scheme), self.golden("predict", scheme)
+            one, paper, other = (self.golden(codec, scheme) for codec in ("zstd", "paper", "predict"))
             self.assertEqual([p["place"] for p in one["parts"]], places)
             self.assertEqual([self.meshes(p) for p in one["parts"]], [self.meshes(p) for p in other["parts"]])
+            self.assertEqual([self.meshes(p) for p in one["parts"]], [self.meshes(p) for p in paper["parts"]])
 
     def test_truncation_of_predict_is_refused(self):
         with open(os.path.join(GOLDEN, "predict_1_diamonds"), "rb") as file:
