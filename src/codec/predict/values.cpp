@@ -252,11 +252,14 @@ void ValueDecoder::add_raw_bits(std::span<std::uint32_t> values) {
     std::uint32_t buffered = buffered_;
     for (std::uint32_t& value : block) {
       const TokenRange range = kTokenRanges[value];
-      std::uint64_t more = 0;
-      std::memcpy(&more, from, sizeof more);
-      buffer |= more << buffered;
-      from += (63 - buffered) / 8;
-      buffered |= 56;
+      // Rare: most values have a few bits, none has more than 29.
+      if (buffered < 29) {
+        std::uint64_t more = 0;
+        std::memcpy(&more, from, sizeof more);
+        buffer |= more << buffered;
+        from += (63 - buffered) / 8;
+        buffered |= 56;
+      }
       value = range.base + static_cast<std::uint32_t>(buffer & ((std::uint64_t{1} << range.bits) - 1));
       buffer >>= range.bits;
       buffered -= range.bits;

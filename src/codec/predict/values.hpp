@@ -108,9 +108,10 @@ class ValueDecoder {
         const std::uint32_t state = take(i + lane, x[lane]);
         std::uint16_t next = 0;
         std::memcpy(&next, word, sizeof next);
-        const bool is_low = state < kLeastState;
-        x[lane] = is_low ? state << 16 | next : state;
-        word += is_low ? 2 : 0;
+        // All bits set where a word is due: by masks, since a branch would be a guess.
+        const std::uint32_t is_low = 0U - static_cast<std::uint32_t>(state < kLeastState);
+        x[lane] = state << (is_low & 16U) | (next & is_low);
+        word += is_low & 2U;
       }
     word_ = static_cast<std::size_t>(word - words_.data());
     for (; i < count; ++i) {
