@@ -80,8 +80,8 @@ struct FacePrediction {
 
 class Predictor {
  public:
-  // Of four coordinates, the last 0; unsigned, so that they wrap.
-  using Point = std::array<std::uint32_t, 4>;
+  // Unsigned, so that they wrap.
+  using Point = std::array<std::uint32_t, 3>;
 
   Predictor(const Basis& basis, const Links& links, const CodedNode& node, std::size_t vertex_count)
       : basis_(basis),
@@ -134,7 +134,6 @@ class Predictor {
   }
   void set_point(std::uint32_t v, const Vector& point) {
     for (std::size_t i = 0; i < 3; ++i) points_[v][i] = static_cast<std::uint32_t>(point[i]);
-    points_[v][3] = 0;
   }
 
   // In line, or the prediction would go through memory.
@@ -159,10 +158,9 @@ class Predictor {
     const Point& p3 = points_[third.first];
     const Point& q3 = points_[third.second];
     const Point& r3 = points_[third.opposite];
-    // The mean of the parallelograms' ends, of which the first counts twice; a loop over four that compilers
-    // turn into a few instructions.
-    alignas(16) std::array<std::int32_t, 4> mean;
-    for (std::size_t i = 0; i < 4; ++i)
+    // The mean of the parallelograms' ends, of which the first counts twice.
+    std::array<std::int32_t, 3> mean;
+    for (std::size_t i = 0; i < 3; ++i)
       mean[i] = static_cast<std::int32_t>(2 * (p[i] + q[i] - r[i]) + (p2[i] + q2[i] - r2[i]) +
                                           (p3[i] + q3[i] - r3[i]) + 2) >>
                 2;
