@@ -14,13 +14,22 @@ using core::Defect;
 // 1, 2 or 4: the narrowest that holds this and all smaller numbers.
 std::size_t narrowest_bytes(std::size_t largest) { return largest <= 0xff ? 1 : largest <= 0xffff ? 2 : 4; }
 
+// Calls with a value of the unsigned type of so many bytes, so that loops over arrays know it.
+template <typename Use>
+auto with_type(std::size_t bytes, Use use) {
+  if (bytes == 1) return use(std::uint8_t{});
+  if (bytes == 2) return use(std::uint16_t{});
+  return use(std::uint32_t{});
+}
+
 void put_sized(ByteWriter& writer, std::uint32_t value, std::size_t bytes) {
   writer.put_bytes(std::as_bytes(std::span<const std::uint32_t, 1>(&value, 1)).first(bytes));
 }
 
-std::uint32_t get_sized(std::span<const std::byte> plane, std::size_t index, std::size_t bytes) {
-  std::uint32_t value = 0;
-  std::memcpy(&value, plane.data() + index * bytes, bytes);
+template <typename T>
+std::uint32_t get_at(std::span<const std::byte> plane, std::size_t index) {
+  T value = 0;
+  std::memcpy(&value, plane.data() + index * sizeof(T), sizeof(T));
   return value;
 }
 
@@ -51,11 +60,14 @@ bool get_positions(ByteReader& reader, const CodedNode& node, std::vector<Coordi
   std::array<std::span<const std::byte>, 3> planes;
   for (auto& plane : planes) plane = reader.get_bytes(positions.size() * size);
   if (reader.failed()) return false;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    Coordinates& p = positions[i];
-    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = get_sized(planes[axis], i, size);
-    p[3] = node.is_cube ? 0 : (1U << node.position_bits) - p[0] - p[1] - p[2];
-  }
+  const std::uint32_t one = 1U << (node.position_bits & 31);  // of cubes without meaning
+  with_type(size, [&]<typename T>(T) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      Coordinates& p = positions[i];
+      for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = get_at<T>(planes[axis], i);
+      p[3] = node.is_cube ? 0 : one - p[0] - p[1] - p[2];
+    }
+  });
   return true;
 }
 
@@ -79,15 +91,21 @@ std::optional<Defect> get_triangles(ByteReader& reader, CodedPart& part) {
   const std::size_t size = narrowest_bytes(part.positions.size());
   const auto codes = reader.get_bytes(3 * part.triangles.size() * size);
   if (reader.failed()) return Defect{"the triangles are cut short", start};
-  std::uint32_t high_water = 0;
-  for (std::size_t corner = 0; corner < 3 * part.triangles.size(); ++corner) {
-    const std::uint32_t back = get_sized(codes, corner, size);
-    if (back > high_water || (back == 0 && high_water >= part.positions.size()))
-      return Defect{"a vertex index is out of range", start + corner * size};
-    part.triangles[corner / 3][corner % 3] = high_water - back;
-    if (back == 0) ++high_water;
-  }
-  return std::nullopt;
+  const std::size_t count = part.positions.size();
+  return with_type(size, [&]<typename T>(T) -> std::optional<Defect> {
+    std::uint32_t high_water = 0;
+    std::size_t corner = 0;
+    for (mesh::Triangle& t : part.triangles)
+      for (auto& v : t) {
+        const std::uint32_t back = get_at<T>(codes, corner);
+        if (back > high_water || (back == 0 && high_water >= count))
+          return Defect{"a vertex index is out of range", start + corner * size};
+        v = high_water - back;
+        high_water += back == 0 ? 1 : 0;
+        ++corner;
+      }
+    return std::nullopt;
+  });
 }
 
 // Their width first, in one byte.
@@ -103,7 +121,9 @@ bool get_parents(ByteReader& reader, CodedPart& part) {
   if (size != 1 && size != 2 && size != 4) return false;
   const auto plane = reader.get_bytes(part.parents.size() * size);
   if (reader.failed()) return false;
-  for (std::size_t i = 0; i < part.parents.size(); ++i) part.parents[i] = get_sized(plane, i, size);
+  with_type(size, [&]<typename T>(T) {
+    for (std::size_t i = 0; i < part.parents.size(); ++i) part.parents[i] = get_at<T>(plane, i);
+  });
   return true;
 }
 
