@@ -172,8 +172,8 @@ void require(const Workspace& workspace, const BuildEstimate& needs, const std::
   const std::uint64_t more = needs.scratch_bytes > used ? needs.scratch_bytes - used : 0;
   const bool is_same = is_same_device(scratch, output);
   if (is_same) {
-    require_space(scratch, std::max(more, 2 * needs.output_bytes), needs.free_scratch_bytes,
-                  "scratch and output");
+    const std::uint64_t at_end = 2 * needs.output_bytes - std::min(used, needs.output_bytes);
+    require_space(scratch, std::max(more, at_end), needs.free_scratch_bytes, "scratch and output");
   } else {
     require_space(scratch, more, needs.free_scratch_bytes, "scratch");
     require_space(output, needs.output_bytes, needs.free_output_bytes, "the output");
