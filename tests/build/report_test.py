@@ -10,7 +10,7 @@ import program
 from program import ColossusTest
 
 SCHEMAS = os.path.join(os.path.dirname(__file__), "..", "..", "schemas")
-STOPPED = 75
+NO_RESOURCES, STOPPED = 69, 75
 
 
 def read_json(path):
@@ -78,6 +78,17 @@ class Report(ColossusTest):
                                    ("scratch_bytes", used["scratch_bytes"]), ("output_bytes", used["output_bytes"])):
                     self.assertLessEqual(need, estimate[name], name)
                     self.assertLessEqual(estimate[name], 1.5 * need, name)
+
+    def test_refused(self):
+        """What cannot fit ends after the survey; with enough memory it goes on from there."""
+        statue, output = self.statue(1000000), self.path("a.h5")
+        options = ["--scheme", "blocks", "--leaf-triangles", 4000000]
+        run, report, _ = self.build_reported(statue, "-o", output, *options, "--memory", "256M", ranks=2,
+                                             status=NO_RESOURCES)
+        self.assertRegex(run.stderr, r"a rank will need some .* of memory, but may use 256\.0 MB: .*--memory")
+        self.assertEqual([phase["name"] for phase in report["phases"]], ["survey", "occupancy"])
+        self.assertFalse(os.path.exists(output))
+        self.build_reported(statue, "-o", output, *options, "--memory", "1G", "--resume", ranks=2)
 
     def test_dry_run(self):
         statue, output = self.statue(), self.path("a.h5")
