@@ -52,6 +52,21 @@ TEST(Info, TextHasALinePerLevelAndAllStoredColumns) {
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), statue->deepest_level() + 2);
 }
 
+TEST(Info, SaysWhatTheBitsAreSpentOn) {
+  StatueFixture fixture(torus(40, 24), 200);
+  // Of each level so many bytes on positions, and nothing known of the rest.
+  const std::size_t levels = fixture.nodes.rbegin()->first.first + 1;
+  fixture.metadata.levels.push_back({"position_bytes", std::vector<std::uint64_t>(levels, 1000)});
+  const auto statue = fixture.open();
+  const auto json = nlohmann::json::parse(info_json(*statue));
+  for (const auto& level : json["levels"]) {
+    EXPECT_EQ(level["part_bits_per_vertex"].size(), 1U);
+    EXPECT_NEAR(level["part_bits_per_vertex"]["positions"].get<double>(),
+                8000.0 / level["vertices"].get<double>(), 1e-9);
+  }
+  EXPECT_NE(info_text(*statue).find("topology  position  normal  colour  parent"), std::string::npos);
+}
+
 // The finest vertices are as near to the input's as info says.
 TEST(Info, QuantisationErrorIsABound) {
   const WorldMesh input = torus(40, 24);
