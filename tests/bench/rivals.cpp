@@ -78,6 +78,7 @@ RivalBytes encode_by_meshoptimizer(const CodedNode& node, const CodedPart& part)
   const std::size_t used = meshopt_optimizeVertexFetch(vertices.data(), indices.data(), index_count,
                                                        vertices.data(), count, layout.stride);
   RivalBytes result;
+  result.vertex_count = used;
   Bytes bytes(meshopt_encodeIndexBufferBound(index_count, count));
   bytes.resize(meshopt_encodeIndexBuffer(data_of(bytes), bytes.size(), indices.data(), index_count));
   result.indices = compressed(bytes);
@@ -91,12 +92,12 @@ RivalBytes encode_by_meshoptimizer(const CodedNode& node, const CodedPart& part)
 void decode_by_meshoptimizer(const CodedNode& node, const CodedPart& part, const RivalBytes& bytes) {
   const VertexLayout layout = layout_of(node);
   std::vector<std::uint32_t> indices(3 * part.triangles.size());
-  std::vector<std::uint8_t> vertices(part.positions.size() * layout.stride);
+  std::vector<std::uint8_t> vertices(bytes.vertex_count * layout.stride);
   const Bytes index_bytes = decompressed(bytes.indices);
   const Bytes vertex_bytes = decompressed(bytes.rest);
   if (meshopt_decodeIndexBuffer(indices.data(), indices.size(), sizeof(std::uint32_t), data_of(index_bytes),
                                 index_bytes.size()) != 0 ||
-      meshopt_decodeVertexBuffer(vertices.data(), part.positions.size(), layout.stride, data_of(vertex_bytes),
+      meshopt_decodeVertexBuffer(vertices.data(), bytes.vertex_count, layout.stride, data_of(vertex_bytes),
                                  vertex_bytes.size()) != 0)
     core::fail(Status::kBadData, "meshoptimizer: cannot decode");
 }

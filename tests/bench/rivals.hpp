@@ -10,6 +10,7 @@ namespace colossus::bench {
 struct RivalBytes {
   core::Bytes indices;  // empty where they cannot be told from the rest
   core::Bytes rest;
+  std::size_t vertex_count = 0;  // without those that no triangle uses
   std::size_t size() const { return indices.size() + rest.size(); }
 };
 
