@@ -1,5 +1,6 @@
 // A codec's decoder on its own: the first bytes choose the codec and the shape of a node of one or two parts,
-// the rest is cut into its sections. Whatever comes back has the right sizes and indices in range.
+// the rest is cut into its sections. With COLOSSUS_CODEC=<name> in the environment it is always that codec.
+// Whatever comes back has the right sizes and indices in range.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -19,7 +20,9 @@ void expect(bool condition) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   core::ByteReader reader(std::as_bytes(std::span(data, size)));
   const auto codecs = codec::codecs();
-  const codec::Codec& codec = codecs[reader.get<std::uint8_t>() % codecs.size()];
+  static const char* const only = std::getenv("COLOSSUS_CODEC");
+  const auto choice = reader.get<std::uint8_t>();
+  const codec::Codec& codec = only != nullptr ? codec::codec_named(only) : codecs[choice % codecs.size()];
   const auto flags = reader.get<std::uint8_t>();
   codec::CodedNode node;
   node.has_normals = (flags & 1) != 0;
@@ -29,12 +32,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   node.position_bits = reader.get<std::uint8_t>() % 33;
   node.parts.resize(node.is_cube ? 1 : 1 + flags / 128);
   for (codec::CodedPart& part : node.parts) {
-    const std::size_t vertices = reader.get<std::uint16_t>() % 2048;
+    const std::size_t vertices = reader.get<std::uint16_t>() % 128;
     part.positions.resize(vertices);
     part.normals.resize(node.has_normals ? vertices : 0);
     part.colors.resize(node.has_colors ? vertices : 0);
     part.parents.resize(node.has_parents ? vertices : 0);
-    part.triangles.resize(reader.get<std::uint16_t>() % 4096);
+    part.triangles.resize(reader.get<std::uint16_t>() % 256);
     if (!node.is_cube)
       for (auto& row : part.frame)
         for (auto& entry : row) entry = static_cast<std::int8_t>(reader.get<std::uint8_t>() % 5 - 2);
