@@ -159,18 +159,15 @@ def decode_payload(data):
     if any(size and not has for size, has in zip(sizes, present)):
         raise BadContainer("payload: a section for what the node does not have")
     sections = [section if has else None for section, has in zip(sections, present)]
-    vertex_counts, triangle_counts = heads[:, 1].tolist(), heads[:, 2].tolist()
-    if codec == CODEC_PREDICT:
-        arrays = decode_predicted(sections, heads, bits, is_cube)
-    else:
-        arrays = CODECS[codec, version](sections, vertex_counts, triangle_counts, bits, is_cube)
+    arrays = CODECS[codec, version](sections, heads, bits, is_cube)
     parts = [{"place": int(heads[i, 0]) >> 24, **{k: None if v is None else v[i] for k, v in arrays.items()}}
              for i in range(count)]
     return {"bits": bits, "is_cube": is_cube, "offset": offset, "parts": parts}
 
 
-def decode_packed(sections, vertex_counts, triangle_counts, bits, is_cube):
+def decode_packed(sections, heads, bits, is_cube):
     """Codec 3, "zstd": arrays as they are."""
+    vertex_counts, triangle_counts = heads[:, 1].tolist(), heads[:, 2].tolist()
     readers = [None if section is None else Reader(section) for section in sections]
     connectivity, positions, normals, colors, parents = readers
     coordinate = narrowest(2**bits - is_cube)
@@ -197,9 +194,10 @@ def decode_packed(sections, vertex_counts, triangle_counts, bits, is_cube):
     return arrays
 
 
-def decode_paper(*arguments):
+def decode_paper(sections, heads, bits, is_cube):
+    """Codec 4, "paper"."""
     try:
-        return paper_codec.decode_sections(*arguments)
+        return paper_codec.decode_sections(sections, heads[:, 1].tolist(), heads[:, 2].tolist(), bits, is_cube)
     except paper_codec.BadSection as error:
         raise BadContainer(f"payload: {error}")
 
@@ -231,8 +229,7 @@ def decode_predicted(sections, heads, bits, is_cube):
     return result
 
 
-CODEC_PREDICT = 5
-CODECS = {(3, 1): decode_packed, (4, 1): decode_paper, (CODEC_PREDICT, 1): decode_predicted}
+CODECS = {(3, 1): decode_packed, (4, 1): decode_paper, (5, 1): decode_predicted}
 SECTIONS = ("connectivity", "positions", "normals", "colors", "parents")
 
 

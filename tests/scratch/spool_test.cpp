@@ -9,7 +9,6 @@
 #include <fstream>
 #include <random>
 
-#include "scratch/mapped_spool.hpp"
 #include "temporary_directory.hpp"
 
 namespace colossus::scratch {
@@ -29,30 +28,19 @@ Bytes random_bytes(std::mt19937_64& random, std::size_t size) {
   return bytes;
 }
 
-Bytes copy_of(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
-
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   core::File::create(path).write_at(0, bytes);
 }
 
-// The error of reading `ref`, by reading and by mapping, which must agree; empty when both succeed.
+// The error of reading `ref`; empty when there is none.
 std::string error_of_reading(const Location& location, const RecordRef& ref) {
-  std::string read_error;
-  std::string map_error;
   try {
     SpoolReader(location).read(ref);
   } catch (const core::Error& error) {
     EXPECT_EQ(error.status(), core::Status::kIo);
-    read_error = error.what();
+    return error.what();
   }
-  try {
-    MappedSpool(location).map(ref);
-  } catch (const core::Error& error) {
-    EXPECT_EQ(error.status(), core::Status::kIo);
-    map_error = error.what();
-  }
-  EXPECT_EQ(read_error, map_error);
-  return read_error;
+  return "";
 }
 
 TEST(Spool, ReturnsWhatWasAppendedForAllSizes) {
@@ -75,12 +63,7 @@ TEST(Spool, ReturnsWhatWasAppendedForAllSizes) {
   EXPECT_EQ(std::filesystem::file_size(path_of(directory.path(), {kAttempt, 5, 1})), writer.ends().stream);
   std::shuffle(records.begin(), records.end(), random);
   SpoolReader reader(location_of(directory));
-  MappedSpool mapped(location_of(directory));
-  for (const auto& [ref, bytes] : records) {
-    EXPECT_EQ(reader.read(ref), bytes);
-    EXPECT_EQ(copy_of(mapped.map(ref)), bytes);
-    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(mapped.map(ref).data()) % 8, 0U);
-  }
+  for (const auto& [ref, bytes] : records) EXPECT_EQ(reader.read(ref), bytes);
 }
 
 TEST(Spool, PartsBecomeOnePayload) {
@@ -97,20 +80,6 @@ TEST(Spool, PartsBecomeOnePayload) {
     all.insert(all.end(), c.begin(), c.end());
     EXPECT_EQ(SpoolReader(location_of(directory)).read(writer.append(1, {a, b, {}, c})), all);
   }
-}
-
-TEST(Spool, MappedArraysAreValuesAndStayValid) {
-  const TemporaryDirectory directory;
-  SpoolWriter writer(location_of(directory), kAttempt, 0);
-  MappedSpool mapped(location_of(directory));
-  const std::vector<double> values{1.5, -2.0, 3e300};
-  const RecordRef ref = writer.append(2, core::as_bytes(values));
-  const std::span<const double> first = mapped.map_array<double>(ref);
-  for (int i = 0; i < 200; ++i) mapped.map(writer.append(3, core::as_bytes(values)));
-  EXPECT_EQ(std::vector<double>(first.begin(), first.end()), values);
-  EXPECT_EQ(mapped.map_array<double>(ref).data(), first.data()) << "mapped twice";
-  using Three = std::array<std::uint64_t, 2>;
-  EXPECT_THROW(mapped.map_array<Three>(ref), core::Error);
 }
 
 TEST(Spool, IsCreatedExclusively) {
