@@ -1,5 +1,5 @@
-"""Decodes the sections of codec 5, predict, as schemas/container.md describes them. Slow and plain: some thousand
-vertices a second."""
+"""Decodes the sections of codec 5, predict, in both its versions, as schemas/container.md describes them. Slow and
+plain: some thousand vertices a second."""
 
 MASK32 = 2**32 - 1
 TOKENS, SLOT_BITS, LANES = 128, 10, 4
@@ -96,35 +96,56 @@ def weights_to_frequencies(weights):
     return frequencies
 
 
-class Values:
-    """Interleaved rANS with a table per context."""
+def get_size(data, offset):
+    """A size of seven bits a byte, and where it ends."""
+    size = shift = 0
+    while True:
+        if offset >= len(data) or shift > 28:
+            raise BadSections("a size is cut short")
+        size |= (data[offset] & 127) << shift
+        shift, offset = shift + 7, offset + 1
+        if data[offset - 1] < 128:
+            return size, offset
 
-    def __init__(self, data, contexts):
-        self.tables, self.words, self.raw, self.states = {}, b"", 0, [2**16] * LANES
+
+def get_number(tables, widths):
+    width = tables.get_tree(widths, 4)
+    return width if width < 2 else 1 << (width - 1) | tables.get_bits(width - 1)
+
+
+def read_runs(tables, contexts):
+    """Which table each context has, and how many tables there are."""
+    widths = tree(4)
+    count = get_number(tables, widths)
+    starts = [0]
+    for _ in range(1, count):
+        starts.append(starts[-1] + get_number(tables, widths))
+    if count > 128 or starts[-1] >= contexts or len(set(starts)) < len(starts):
+        raise BadSections("contexts have no tables of such runs")
+    return [sum(context >= start for start in starts) - 1 for context in range(contexts)], count
+
+
+class Values:
+    """Interleaved rANS with a table for each run of contexts; in version 1 for each context."""
+
+    def __init__(self, data, contexts, version):
+        self.slots, self.table_of, self.words, self.raw, self.states = [], [0] * contexts, b"", 0, [2**16] * LANES
         self.word = 0
         if not data:
             return
-        sizes, offset = [], 0
-        for _ in range(2):
-            size = shift = 0
-            while True:
-                if offset >= len(data) or shift > 28:
-                    raise BadSections("a size is cut short")
-                size |= (data[offset] & 127) << shift
-                shift, offset = shift + 7, offset + 1
-                if data[offset - 1] < 128:
-                    break
-            sizes.append(size)
-        end = offset + sizes[0] + 4 * LANES + 2 * sizes[1]
+        table_bytes, offset = get_size(data, 0)
+        word_count, offset = get_size(data, offset)
+        end = offset + table_bytes + 4 * LANES + 2 * word_count
         if end > len(data):
             raise BadSections("the values are cut short")
-        tables = BitDecoder(data[offset:offset + sizes[0]])
-        offset += sizes[0]
+        tables = BitDecoder(data[offset:offset + table_bytes])
+        offset += table_bytes
         self.states = [int.from_bytes(data[offset + 4 * i:offset + 4 * i + 4], "little") for i in range(LANES)]
         self.words = data[offset + 4 * LANES:end]
         self.raw = int.from_bytes(data[end:], "little")
+        self.table_of, count = (list(range(contexts)), contexts) if version == 1 else read_runs(tables, contexts)
         ends, lengths = tree(8), [tree(4) for _ in range(16)]
-        for context in range(contexts):
+        for _ in range(count):
             weights, before = [], 0
             for _ in range(min(tables.get_tree(ends, 8), TOKENS)):
                 before = tables.get_tree(lengths[before], 4)
@@ -134,13 +155,16 @@ class Values:
             for token, frequency in enumerate(weights_to_frequencies(weights)):
                 slots += [(token, frequency, start)] * frequency
                 start += frequency
-            self.tables[context] = slots
+            self.slots.append(slots)
 
     def batch(self, contexts):
         """One value for each context; contexts may be a generator that looks at earlier batches."""
+        return self.batch_of_tables(self.table_of[context] for context in contexts)
+
+    def batch_of_tables(self, tables):
         tokens = []
-        for i, context in enumerate(contexts):
-            state, slots = self.states[i % LANES], self.tables.get(context)
+        for i, table in enumerate(tables):
+            state, slots = self.states[i % LANES], self.slots[table] if table < len(self.slots) else []
             if not slots:
                 raise BadSections("a context has no values")
             slot = state & 2**SLOT_BITS - 1
@@ -190,9 +214,61 @@ class Vertex:
         return r + [r[-1]] * (3 - len(r))
 
 
+class Symbols:
+    """Those of each table in a sequence of its own."""
+
+    def __init__(self, data):
+        size, offset = get_size(data, 0)
+        values = Values(data[offset:offset + size], 5 << 9, 2)
+        offset += size
+        counts = []
+        for _ in values.slots:
+            count, offset = get_size(data, offset)
+            counts.append(count)
+        self.table_of, self.seeds, self.bits = values.table_of, tree(2), BitDecoder(data[offset:])
+        self.sequences = [iter(values.batch_of_tables([i] * count)) for i, count in enumerate(counts)]
+        values.check_end()
+
+    def symbol(self, can_left, can_right, can_last, valence_a, valence_b, latest):
+        sides = can_left + 2 * can_right + can_last
+        context = sides << 9 | (valence_b & 15) << 5 | latest << 3 | valence_a & 7
+        symbol = next(self.sequences[self.table_of[context]], None) if self.sequences else None
+        if symbol is None or symbol > KNOWN:
+            raise BadSections("a symbol that is none")
+        return symbol
+
+    def check_end(self):
+        if any(next(sequence, None) is not None for sequence in self.sequences):
+            raise BadSections("symbols are left over")
+
+
+class AdaptiveSymbols:
+    """Of version 1: bits of one stream."""
+
+    def __init__(self, data):
+        self.bits, self.seeds, self.last, self.models = BitDecoder(data), tree(2), Bit(), {}
+
+    def symbol(self, can_left, can_right, can_last, valence_a, valence_b, latest):
+        get = self.bits.get
+        if can_last and get(self.last):
+            return LAST
+        context = min(valence_b, 9), min(valence_a, 6), latest, can_left, can_right
+        is_new, is_right, is_left, is_border = self.models.setdefault(context, tree(2))
+        if not get(is_new):
+            return NEW
+        if can_right and not get(is_right):
+            return RIGHT
+        if can_left and not get(is_left):
+            return LEFT
+        return KNOWN if get(is_border) else BORDER
+
+    def check_end(self):
+        pass
+
+
 class Traversal:
-    def __init__(self, bits, models, vertex_count, triangle_count):
-        self.bits, self.models = bits, models
+    def __init__(self, source, vertex_count, triangle_count):
+        self.source, self.bits = source, source.bits
         self.vertices = [Vertex() for _ in range(vertex_count)]
         self.triangles, self.gates, self.known, self.latest = [], [], 0, NEW
         served = 0
@@ -255,7 +331,7 @@ class Traversal:
         return v
 
     def seed(self):
-        p, q, r = (self.old_vertex() if self.bits.get(self.models["seed"][k]) else self.new_vertex() for k in range(3))
+        p, q, r = (self.old_vertex() if self.bits.get(self.source.seeds[k]) else self.new_vertex() for k in range(3))
         self.emit(p, q, r)
         self.connect(p, q)
         self.connect(q, r)
@@ -266,23 +342,16 @@ class Traversal:
         self.link(g[1], g[0])
 
     def symbol(self, number, a, b):
-        gates, get = self.gates, self.bits.get
+        gates = self.gates
         gate = gates[number]
         can_right = gates[gate.next].state == OPEN and gate.next != number
         can_left = gates[gate.before].state == OPEN and gate.before != number
         can_last = can_left and can_right and gates[gate.next].next == gate.before and gate.next != gate.before
-        if can_last and get(self.models["last"]):
-            return LAST
-        context = (min(self.vertices[b].valence, 9), min(self.vertices[a].valence, 6), min(self.latest, 2),
-                   can_left, can_right)
-        is_new, is_right, is_left, is_border = self.models.setdefault(context, tree(2))
-        if not get(is_new):
-            return NEW
-        if can_right and not get(is_right):
-            return RIGHT
-        if can_left and not get(is_left):
-            return LEFT
-        return KNOWN if get(is_border) else BORDER
+        valences = self.vertices[a].valence, self.vertices[b].valence
+        symbol = self.source.symbol(can_left, can_right, can_last, *valences, min(self.latest, 2))
+        if symbol == RIGHT and not can_right or symbol == LEFT and not can_left or symbol == LAST and not can_last:
+            raise BadSections("a triangle where there is no room for it")
+        return symbol
 
     def serve(self, number):
         gates = self.gates
@@ -530,7 +599,7 @@ def decode_normals(values, mode, part, vertices, position_bits):
     return normals
 
 
-def decode_colors(values, vertices):
+def decode_colors(values, vertices, version):
     lumas = values.batch([int(len(v.neighbors) > 2) for v in vertices])
     oranges = values.batch([2 + class_of(luma, 6, 18) for luma in lumas])
     greens = values.batch([5 + class_of(luma, 6, 18) for luma in lumas])
@@ -540,7 +609,7 @@ def decode_colors(values, vertices):
         if vertex.neighbors:
             mean = [(sum(colors[n][c] for n in vertex.four_neighbors()) + 2) >> 2 for c in range(4)]
         else:
-            mean = colors[v - 1] if v else [0, 0, 0, 0]
+            mean = colors[v - 1] if v else [0, 0, 0, 0 if version == 1 else 255]
         luma, orange, green, opacity = (to_signed(x[v]) for x in (lumas, oranges, greens, opacities))
         middle = luma - (green >> 1)
         blue = middle - (orange >> 1)
@@ -563,24 +632,26 @@ def decode_parents(values, vertices):
     return parents
 
 
-def decode_sections(head, sections):
+def decode_sections(head, sections, version):
     """Fills positions, normals, colors, parents and triangles of the head's parts, as lists."""
-    bits, models = BitDecoder(sections[0]), {"seed": tree(2), "last": Bit()}
+    symbols = (AdaptiveSymbols if version == 1 else Symbols)(sections[0])
     faces = [tree(3) for _ in range(16)]
-    positions = Values(sections[1], 13)
+    positions = Values(sections[1], 13, version)
     if head["has_normals"] and (not sections[2] or sections[2][-1] > 3):
         raise BadSections("the normals' mode is unknown")
     mode = sections[2][-1] if head["has_normals"] else 0
-    normals, colors, parents = Values(sections[2][:-1], 14), Values(sections[3], 9), Values(sections[4], 3)
+    normals, colors, parents = (Values(data, contexts, version) for data, contexts in (
+        (sections[2][:-1], 14), (sections[3], 9), (sections[4], 3)))
     for part in head["parts"]:
-        traversal = Traversal(bits, models, part["vertices"], part["triangle_count"])
+        traversal = Traversal(symbols, part["vertices"], part["triangle_count"])
         vertices, part["triangles"] = traversal.vertices, traversal.triangles
-        part["positions"] = decode_positions(bits, faces, positions, part, vertices, head["bits"], head["is_cube"])
+        part["positions"] = decode_positions(symbols.bits, faces, positions, part, vertices, head["bits"],
+                                             head["is_cube"])
         if head["has_normals"]:
             part["normals"] = decode_normals(normals, mode, part, vertices, head["bits"])
         if head["has_colors"]:
-            part["colors"] = decode_colors(colors, vertices)
+            part["colors"] = decode_colors(colors, vertices, version)
         if head["has_parents"]:
             part["parents"] = decode_parents(parents, vertices)
-    for values in (positions, normals, colors, parents):
+    for values in (symbols, positions, normals, colors, parents):
         values.check_end()

@@ -202,7 +202,7 @@ def decode_paper(sections, heads, bits, is_cube):
         raise BadContainer(f"payload: {error}")
 
 
-def decode_predicted(sections, heads, bits, is_cube):
+def decode_predicted(sections, heads, bits, is_cube, version=2):
     """Codec 5, "predict", which looks at the parts' frames, too."""
     parts = []
     for word, n, t in heads.tolist():
@@ -212,7 +212,7 @@ def decode_predicted(sections, heads, bits, is_cube):
     head = {"bits": bits, "is_cube": is_cube, "parts": parts,
             **{f"has_{name}": section is not None for name, section in names.items()}}
     try:
-        predicted_payload.decode_sections(head, [section or b"" for section in sections])
+        predicted_payload.decode_sections(head, [section or b"" for section in sections], version)
     except predicted_payload.BadSections as error:
         raise BadContainer(f"payload: {error}") from error
 
@@ -229,7 +229,8 @@ def decode_predicted(sections, heads, bits, is_cube):
     return result
 
 
-CODECS = {(3, 1): decode_packed, (4, 1): decode_paper, (5, 1): decode_predicted}
+CODECS = {(3, 1): decode_packed, (4, 1): decode_paper, (5, 2): decode_predicted,
+          (5, 1): lambda *node: decode_predicted(*node, version=1)}
 SECTIONS = ("connectivity", "positions", "normals", "colors", "parents")
 
 

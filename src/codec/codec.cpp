@@ -15,11 +15,15 @@ namespace {
 constexpr int kFastLevel = 1;
 constexpr int kUsualLevel = 3;
 
-// A version that was released stays readable: a new one gets a row of its own, before the old one.
 constexpr std::array kCodecs{
-    Codec{"predict", 5, 1, kFastLevel, &predict::order_by_traversal, &encode_predicted, &decode_predicted},
+    Codec{"predict", 5, 2, kFastLevel, &predict::order_by_traversal, &encode_predicted, &decode_predicted},
     Codec{"zstd", 3, 1, kUsualLevel, &order_for_cache, &encode_packed, &decode_packed},
     Codec{"paper", 4, 1, kFastLevel, &order_in_strips, &encode_paper, &decode_paper},
+};
+
+// A version that was written once stays readable.
+constexpr std::array kOldVersions{
+    Codec{"predict", 5, 1, kFastLevel, nullptr, nullptr, &decode_predicted_1},
 };
 
 // Before there was a table, ids stood for schemes, and payloads had no checksum.
@@ -28,6 +32,7 @@ constexpr std::uint8_t kGreatestOldId = 2;
 }  // namespace
 
 std::span<const Codec> codecs() { return kCodecs; }
+std::span<const Codec> old_versions() { return kOldVersions; }
 
 const Codec& codec_named(std::string_view name) {
   const auto found =
@@ -43,8 +48,10 @@ core::Result<const Codec*> codec_of(std::span<const std::byte> payload) {
   const auto id = reader.get<std::uint8_t>();
   const auto version = reader.get<std::uint8_t>();
   if (reader.failed()) return core::Defect{"the payload is cut short", 0};
-  for (const Codec& codec : kCodecs)
-    if (codec.id == id && codec.version == version) return &codec;
+  for (const std::span<const Codec> versions :
+       {std::span<const Codec>(kCodecs), std::span<const Codec>(kOldVersions)})
+    for (const Codec& codec : versions)
+      if (codec.id == id && codec.version == version) return &codec;
   if (id > 0 && id <= kGreatestOldId && version == 1)
     return core::Defect{
         fmt::format("codec {} version {} is that of early containers, which this program no longer reads; "

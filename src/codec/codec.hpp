@@ -30,8 +30,10 @@ struct Codec {
   std::optional<core::Defect> (*decode)(const SectionViews& sections, CodedNode& node);
 };
 
-// All of them, the default one first.
+// All of them in their present versions, the default one first.
 std::span<const Codec> codecs();
+// Those that are only read: their order and encode are null.
+std::span<const Codec> old_versions();
 
 // Throws Error(kUsage) that lists the codecs when there is none of this name.
 const Codec& codec_named(std::string_view name);

@@ -20,9 +20,13 @@ void check_encodable(const NodeMesh& node) {
 // Weights sum to 2^bits already but for overflow.
 std::optional<Defect> check_weights(const std::vector<Coordinates>& weights, int position_bits) {
   const std::uint32_t sum = std::uint32_t{1} << position_bits;
-  for (const Coordinates& w : weights)
-    if (w[0] > sum || w[1] > sum || w[2] > sum || w[3] > sum || w[0] + w[1] + w[2] + w[3] != sum)
-      return Defect{"barycentric weights do not sum to what they should", 0};
+  // Bits that no number up to the sum has, and those in which a total differs; no branch for each.
+  std::uint32_t wrong = 0;
+  for (const Coordinates& w : weights) {
+    wrong |= (w[0] | w[1] | w[2] | w[3]) & ~(2 * sum - 1);
+    wrong |= (w[0] + w[1] + w[2] + w[3]) ^ sum;
+  }
+  if (wrong != 0) return Defect{"barycentric weights do not sum to what they should", 0};
   return std::nullopt;
 }
 

@@ -27,11 +27,16 @@ void permute(std::vector<T>& values, const std::vector<std::uint32_t>& before) {
 // be in range.
 inline std::size_t used_vertices(const std::vector<mesh::Triangle>& triangles, std::size_t vertex_count) {
   std::size_t used = 0;
-  for (const mesh::Triangle& t : triangles)
-    for (const std::uint32_t v : t) {
-      if (v > used) return vertex_count + 1;
-      used = std::max<std::size_t>(used, v + 1);
-    }
+  for (const mesh::Triangle& t : triangles) {
+    const std::size_t first = t[0];
+    const std::size_t second = t[1];
+    const std::size_t third = t[2];
+    // Apart from the number so far, so that one triangle need not wait for three steps of the one before.
+    const std::size_t two = std::max(first, second) + 1;
+    if (first > used || second > std::max(used, first + 1) || third > std::max(used, two))
+      return vertex_count + 1;
+    used = std::max(used, std::max(two, third + 1));
+  }
   return used;
 }
 

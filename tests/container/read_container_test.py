@@ -118,8 +118,8 @@ class Payload(unittest.TestCase):
 class Golden(unittest.TestCase):
     """The golden payloads of all codecs were made of the same meshes."""
 
-    def golden(self, codec, scheme):
-        with open(os.path.join(GOLDEN, f"{codec}_1_{scheme}"), "rb") as file:
+    def golden(self, codec_and_version, scheme):
+        with open(os.path.join(GOLDEN, f"{codec_and_version}_{scheme}"), "rb") as file:
             return rc.decode_payload(file.read())
 
     @staticmethod
@@ -133,17 +133,19 @@ class Golden(unittest.TestCase):
 
     def test_all_say_the_same(self):
         for scheme, places in (("diamonds", [1, 4]), ("blocks", [0])):
-            one, paper, other = (self.golden(codec, scheme) for codec in ("zstd", "paper", "predict"))
+            one = self.golden("zstd_1", scheme)
             self.assertEqual([p["place"] for p in one["parts"]], places)
-            self.assertEqual([self.meshes(p) for p in one["parts"]], [self.meshes(p) for p in other["parts"]])
-            self.assertEqual([self.meshes(p) for p in one["parts"]], [self.meshes(p) for p in paper["parts"]])
+            for other in ("paper_1", "predict_1", "predict_2"):
+                self.assertEqual([self.meshes(p) for p in one["parts"]],
+                                 [self.meshes(p) for p in self.golden(other, scheme)["parts"]], other)
 
     def test_truncation_of_predict_is_refused(self):
-        with open(os.path.join(GOLDEN, "predict_1_diamonds"), "rb") as file:
-            payload = file.read()
-        for size in range(0, len(payload), 7):
-            with self.assertRaises(rc.BadContainer):
-                rc.decode_payload(payload[:size])
+        for version in (1, 2):
+            with open(os.path.join(GOLDEN, f"predict_{version}_diamonds"), "rb") as file:
+                payload = file.read()
+            for size in range(0, len(payload), 11):
+                with self.assertRaises(rc.BadContainer):
+                    rc.decode_payload(payload[:size])
 
 
 class Program(unittest.TestCase):

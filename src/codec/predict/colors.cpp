@@ -1,6 +1,7 @@
 #include "codec/predict/colors.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "codec/predict/buffer.hpp"
 
@@ -17,19 +18,21 @@ constexpr std::uint32_t kOpacity = 8;
 std::uint32_t luma_context(std::uint8_t kind) { return kLuma + (neighbors_of(kind) > 2 ? 1U : 0U); }
 std::uint32_t size_class(std::uint32_t luma) { return class_of(luma, 6, 18); }
 
-// Colours in lanes of 16 bits, so that four channels are added at once.
+// Colours in lanes of 16 bits, so that four channels are added at once: the first and the third, then the
+// others, which is but a shift away from four bytes.
 using Lanes = std::uint64_t;
 constexpr Lanes kEachLane = 0x0001000100010001;
 
-Lanes to_lanes(const mesh::Color& color) {
-  return Lanes{color[0]} | Lanes{color[1]} << 16 | Lanes{color[2]} << 32 | Lanes{color[3]} << 48;
-}
+Lanes to_lanes(std::uint32_t color) { return (color & 0x00ff00ff) | Lanes{color & 0xff00ff00} << 24; }
+std::uint32_t to_color(Lanes lanes) { return static_cast<std::uint32_t>(lanes | lanes >> 24); }
 
 // The mean of four.
-Lanes predict(const VertexLinks& links, const Buffer<Lanes>& colors, std::size_t v) {
-  if (links.neighbor_count == 0) return v > 0 ? colors[v - 1] : 0;
-  Lanes sum = 2 * kEachLane;
-  for (const std::uint32_t neighbor : links.neighbors) sum += colors[neighbor];
+Lanes predict(const Links& links, const Lanes* colors, std::size_t v, const mesh::Color& first) {
+  if (neighbors_of(links.kinds[v]) == 0)
+    return v > 0 ? colors[v - 1] : to_lanes(std::bit_cast<std::uint32_t>(first));
+  const auto& [p, q, r, s] = links.of[v].neighbors;
+  // The last two come latest, and what they yield is waited for.
+  const Lanes sum = (colors[p] + colors[q] + 2 * kEachLane) + (colors[r] + colors[s]);
   return sum >> 2 & 255 * kEachLane;
 }
 
@@ -40,11 +43,10 @@ void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& pa
   std::vector<Channels> residuals(count);
   Buffer<Lanes> colors(count);
   for (std::size_t v = 0; v < count; ++v) {
-    colors[v] = to_lanes(part.colors[v]);
-    const Lanes prediction = predict(links.of[v], colors, v);
+    colors[v] = to_lanes(std::bit_cast<std::uint32_t>(part.colors[v]));
+    const auto prediction = std::bit_cast<mesh::Color>(to_color(predict(links, &colors[0], v, kOpaqueBlack)));
     Channels d{};
-    for (std::size_t c = 0; c < 4; ++c)
-      d[c] = part.colors[v][c] - static_cast<std::int32_t>(prediction >> 16 * c & 255);
+    for (std::size_t c = 0; c < 4; ++c) d[c] = int{part.colors[v][c]} - int{prediction[c]};
     const std::int32_t orange = d[0] - d[2];
     const std::int32_t middle = d[2] + (orange >> 1);
     const std::int32_t green = d[1] - middle;
@@ -60,34 +62,37 @@ void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& pa
   put(3, [&](std::size_t) { return kOpacity; });
 }
 
-void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part) {
+void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part, const mesh::Color& first) {
   const std::size_t count = part.colors.size();
   Buffer<std::uint32_t> lumas(count);
   Buffer<std::uint32_t> oranges(count);
   Buffer<std::uint32_t> greens(count);
   Buffer<std::uint32_t> opacities(count);
+  Buffer<std::uint8_t> classes(count);
   values.get_batch(lumas.all(), [&](std::size_t v) { return luma_context(links.kinds[v]); });
-  values.get_batch(oranges.all(), [&](std::size_t v) { return kOrange + size_class(lumas[v]); });
-  values.get_batch(greens.all(), [&](std::size_t v) { return kGreen + size_class(lumas[v]); });
+  for (std::size_t v = 0; v < count; ++v) classes[v] = static_cast<std::uint8_t>(size_class(lumas[v]));
+  values.get_batch(oranges.all(), [&](std::size_t v) { return kOrange + classes[v]; });
+  values.get_batch(greens.all(), [&](std::size_t v) { return kGreen + classes[v]; });
   if (const auto opacity = values.only_value(kOpacity))
     std::fill_n(opacities.all().begin(), count, *opacity);
   else
     values.get_batch(opacities.all(), [](std::size_t) { return kOpacity; });
-  Buffer<Lanes> colors(count);
+  Buffer<std::uint32_t> residuals(count);
   for (std::size_t v = 0; v < count; ++v) {
     const std::int32_t green = to_signed(greens[v]);
     const std::int32_t middle = wrapped_difference(to_signed(lumas[v]), green >> 1);
     const std::int32_t orange = to_signed(oranges[v]);
     const std::int32_t blue = wrapped_difference(middle, orange >> 1);
-    colors[v] =
-        to_lanes({static_cast<std::uint8_t>(wrapped_sum(blue, orange)),
-                  static_cast<std::uint8_t>(wrapped_sum(middle, green)), static_cast<std::uint8_t>(blue),
-                  static_cast<std::uint8_t>(to_signed(opacities[v]))});
+    const auto channel = [](std::int32_t value) { return static_cast<std::uint32_t>(value) & 255; };
+    residuals[v] = channel(wrapped_sum(blue, orange)) | channel(wrapped_sum(middle, green)) << 8 |
+                   channel(blue) << 16 | channel(to_signed(opacities[v])) << 24;
   }
+  Buffer<Lanes> buffer(count);
+  Lanes* const colors = &buffer[0];
+  const std::span<mesh::Color> result = part.colors;
   for (std::size_t v = 0; v < count; ++v) {
-    const Lanes color = (colors[v] + predict(links.of[v], colors, v)) & 255 * kEachLane;
-    colors[v] = color;
-    for (std::size_t c = 0; c < 4; ++c) part.colors[v][c] = static_cast<std::uint8_t>(color >> 16 * c);
+    colors[v] = (to_lanes(residuals[v]) + predict(links, colors, v, first)) & 255 * kEachLane;
+    result[v] = std::bit_cast<mesh::Color>(to_color(colors[v]));
   }
 }
 

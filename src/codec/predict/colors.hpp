@@ -11,7 +11,12 @@ namespace colossus::codec::predict {
 
 inline constexpr std::size_t kColorContexts = 2 + 3 + 3 + 1;
 
+// What the first vertex is predicted by: where all is opaque, no opacity need be read. Version 1 of the codec
+// had transparent black.
+inline constexpr mesh::Color kOpaqueBlack{0, 0, 0, 255};
+inline constexpr mesh::Color kTransparentBlack{0, 0, 0, 0};
+
 void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& part);
-void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part);
+void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part, const mesh::Color& first);
 
 }  // namespace colossus::codec::predict

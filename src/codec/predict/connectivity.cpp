@@ -1,5 +1,8 @@
 #include "codec/predict/connectivity.hpp"
 
+#include <bit>
+
+#include "codec/predict/sizes.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec::predict {
@@ -83,19 +86,21 @@ class MeshSource {
     return numbers;
   }
 
-  Step step(const Situation& at, std::uint32_t) {
+  Symbol step(const Situation& at, std::uint32_t) {
     const std::uint32_t half = mates_[halves_[at.gate]];
-    if (half == kNone || is_done_[half / 3]) return {};
+    if (half == kNone || is_done_[half / 3]) return Symbol::kBorder;
     is_done_[half / 3] = true;
     half_ = half;
     const std::uint32_t third = triangles_[half / 3][(half + 2) % 3];
-    if (numbers_[third] == kNone) return {Symbol::kNew, number_of(third)};
-    const std::uint32_t number = numbers_[third];
-    if (at.can_be_last && number == at.right) return {Symbol::kLast, number};
-    if (at.can_be_right && number == at.right) return {Symbol::kRight, number};
-    if (at.can_be_left && number == at.left) return {Symbol::kLeft, number};
-    return {Symbol::kKnown, number};
+    const bool is_new = numbers_[third] == kNone;
+    third_ = number_of(third);
+    if (is_new) return Symbol::kNew;
+    if (at.can_be_last() && third_ == at.right) return Symbol::kLast;
+    if (at.can_be_right() && third_ == at.right) return Symbol::kRight;
+    if (at.can_be_left() && third_ == at.left) return Symbol::kLeft;
+    return Symbol::kKnown;
   }
+  std::uint32_t known_vertex(std::uint32_t) const { return third_; }
 
   void opened(std::uint32_t, GateOrigin origin) {
     std::uint32_t half = half_;
@@ -124,73 +129,77 @@ class MeshSource {
   std::vector<std::uint8_t> is_done_;
   std::vector<std::uint32_t> halves_;  // of the gates, on the inside
   std::uint32_t next_seed_ = 0;
-  std::uint32_t half_ = 0;  // of the latest triangle, on the gate that led to it
+  std::uint32_t half_ = 0;   // of the latest triangle, on the gate that led to it
+  std::uint32_t third_ = 0;  // its third vertex
 };
+
+constexpr std::size_t kContexts = 5 * 16 * 4 * 8;
+
+// What differs most comes first: contexts that share a table are neighbours. Valences beyond the greatest
+// start again, since nothing should come between a valence and its symbol that takes time.
+std::uint32_t context_of(const Situation& at) {
+  return static_cast<std::uint32_t>(at.sides) << 9 | (at.valence_b & 15) << 5 | at.latest << 3 |
+         (at.valence_a & 7);
+}
+
+constexpr std::size_t kSymbols = 6;
+// None of them.
+constexpr std::uint32_t kEnd = kSymbols;
+
+}  // namespace
 
 // A mesh that writes down what it answers.
 class EncodingSource : public MeshSource {
  public:
-  EncodingSource(BitEncoder& encoder, SymbolModel& model, const CodedPart& part)
-      : MeshSource(part.triangles, part.positions.size()), encoder_(encoder), model_(model) {}
+  EncodingSource(ConnectivityEncoder& encoder, const CodedPart& part)
+      : MeshSource(part.triangles, part.positions.size()), encoder_(encoder) {}
   std::array<std::uint32_t, 3> seed(std::uint32_t known) {
     const auto seed = MeshSource::seed(known);
-    model_.put_seed(encoder_, seed, known);
+    encoder_.seeds_.put(encoder_.bits_, seed, known);
     return seed;
   }
-  Step step(const Situation& at, std::uint32_t known) {
-    const Step step = MeshSource::step(at, known);
-    model_.put(encoder_, at, step, known);
-    return step;
+  Symbol step(const Situation& at, std::uint32_t known) {
+    const Symbol symbol = MeshSource::step(at, known);
+    encoder_.symbols_.push_back({static_cast<std::uint16_t>(context_of(at)), symbol});
+    return symbol;
+  }
+  std::uint32_t known_vertex(std::uint32_t known) {
+    const std::uint32_t vertex = MeshSource::known_vertex(known);
+    encoder_.bits_.put_bits(vertex, std::bit_width(known));
+    return vertex;
   }
 
  private:
-  BitEncoder& encoder_;
-  SymbolModel& model_;
+  ConnectivityEncoder& encoder_;
 };
 
 class DecodingSource {
  public:
   static constexpr bool kNeedsEnds = false;
 
-  DecodingSource(const BitDecoder& decoder, SymbolModel& model) : decoder_(decoder), model_(model) {}
-  std::array<std::uint32_t, 3> seed(std::uint32_t known) { return model_.get_seed(decoder_, known); }
-  Step step(const Situation& at, std::uint32_t known) { return model_.get(decoder_, at, known); }
+  explicit DecodingSource(ConnectivityDecoder& decoder)
+      : decoder_(decoder), tables_(decoder.tables_.data()), sequences_(decoder.sequences_.data()) {}
+  std::array<std::uint32_t, 3> seed(std::uint32_t known) {
+    return decoder_.seeds_.get(decoder_.bits_, known);
+  }
+  Symbol step(const Situation& at, std::uint32_t) {
+    auto& sequence = sequences_[tables_[context_of(at)]];
+    const std::uint32_t symbol = sequence.symbol;
+    sequence.symbol = *sequence.next++;
+    return static_cast<Symbol>(symbol);
+  }
+  std::uint32_t known_vertex(std::uint32_t known) { return decoder_.bits_.get_bits(std::bit_width(known)); }
   void opened(std::uint32_t, GateOrigin) {}
-  const BitDecoder& decoder() const { return decoder_; }
 
  private:
-  // A copy, which nothing else can point to: so it stays in registers.
-  BitDecoder decoder_;
-  SymbolModel& model_;
+  ConnectivityDecoder& decoder_;
+  const std::uint8_t* tables_;
+  ConnectivityDecoder::Sequence* sequences_;
 };
 
-}  // namespace
-
-void SymbolModel::put(BitEncoder& encoder, const Situation& at, const Step& step, std::uint32_t known) {
-  const Symbol symbol = step.symbol;
-  if (at.can_be_last) {
-    encoder.put(is_last_, symbol == Symbol::kLast);
-    if (symbol == Symbol::kLast) return;
-  }
-  Models& m = models(at);
-  encoder.put(m.is_new, symbol != Symbol::kNew);
-  if (symbol == Symbol::kNew) return;
-  if (at.can_be_right) {
-    encoder.put(m.is_right, symbol != Symbol::kRight);
-    if (symbol == Symbol::kRight) return;
-  }
-  if (at.can_be_left) {
-    encoder.put(m.is_left, symbol != Symbol::kLeft);
-    if (symbol == Symbol::kLeft) return;
-  }
-  encoder.put(m.is_border, symbol != Symbol::kBorder);
-  if (symbol != Symbol::kBorder) encoder.put_bits(step.vertex, std::bit_width(known));
-}
-
-void SymbolModel::put_seed(BitEncoder& encoder, const std::array<std::uint32_t, 3>& seed,
-                           std::uint32_t known) {
+void SeedModel::put(BitEncoder& encoder, const std::array<std::uint32_t, 3>& seed, std::uint32_t known) {
   for (std::size_t k = 0; k < 3; ++k) {
-    encoder.put(is_seed_new_[k], seed[k] != known);
+    encoder.put(is_known_[k], seed[k] != known);
     if (seed[k] != known)
       encoder.put_bits(seed[k], std::bit_width(known));
     else
@@ -198,38 +207,91 @@ void SymbolModel::put_seed(BitEncoder& encoder, const std::array<std::uint32_t, 
   }
 }
 
-std::array<std::uint32_t, 3> SymbolModel::get_seed(BitDecoder& decoder, std::uint32_t known) {
+std::array<std::uint32_t, 3> SeedModel::get(BitDecoder& decoder, std::uint32_t known) {
   std::array<std::uint32_t, 3> seed{};
   for (std::size_t k = 0; k < 3; ++k)
-    seed[k] = decoder.get(is_seed_new_[k]) ? decoder.get_bits(std::bit_width(known)) : known++;
+    seed[k] = decoder.get(is_known_[k]) ? decoder.get_bits(std::bit_width(known)) : known++;
   return seed;
 }
 
 void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count) {
   MeshSource source(triangles, vertex_count);
   std::vector<mesh::Triangle> ordered(triangles.size());
-  std::vector<VertexLinks> links(vertex_count);
-  COLOSSUS_CHECK(Traversal(source, std::span(ordered), std::span(links)).run(), "{} triangles",
-                 triangles.size());
+  LinkStore store(vertex_count);
+  COLOSSUS_CHECK(traverse(source, std::span(ordered), vertex_count, store), "{} triangles", triangles.size());
   for (mesh::Triangle& t : ordered)
     for (auto& v : t) v = source.before()[v];
   triangles = std::move(ordered);
 }
 
-void encode_connectivity(BitEncoder& encoder, SymbolModel& model, const CodedPart& part,
-                         std::span<VertexLinks> links) {
-  EncodingSource source(encoder, model, part);
+void ConnectivityEncoder::encode(const CodedPart& part, LinkStore& store) {
+  EncodingSource source(*this, part);
   std::vector<mesh::Triangle> triangles(part.triangles.size());
-  COLOSSUS_CHECK(Traversal(source, std::span(triangles), links).run() && triangles == part.triangles,
-                 "triangles are not in the codec's order, or vertices are not in order of first use");
+  COLOSSUS_CHECK(
+      traverse(source, std::span(triangles), part.positions.size(), store) && triangles == part.triangles,
+      "triangles are not in the codec's order, or vertices are not in order of first use");
 }
 
-bool decode_connectivity(BitDecoder& decoder, SymbolModel& model, CodedPart& part,
-                         std::span<VertexLinks> links) {
-  DecodingSource source(decoder, model);
-  const bool is_valid = Traversal(source, std::span(part.triangles), links).run();
-  decoder = source.decoder();
-  return is_valid;
+core::Bytes ConnectivityEncoder::finish() {
+  std::vector<std::uint32_t> counts(kContexts * kSymbols);
+  for (const Occurrence& o : symbols_) ++counts[o.context * kSymbols + static_cast<std::size_t>(o.symbol)];
+  const TableRuns runs = TableRuns::of(counts, kSymbols);
+  std::vector<std::vector<Occurrence>> by_table(runs.table_count());
+  for (const Occurrence& o : symbols_) by_table[runs.tables()[o.context]].push_back(o);
+  ValueEncoder values(kContexts, kSymbols);
+  core::ByteWriter sizes;
+  for (const auto& symbols : by_table) {
+    for (const Occurrence& o : symbols) values.put(o.context, static_cast<std::uint32_t>(o.symbol));
+    values.end_batch();
+    put_size(sizes, symbols.size());
+  }
+  const core::Bytes value_bytes = values.finish();
+  core::ByteWriter writer;
+  put_size(writer, value_bytes.size());
+  writer.put_bytes(value_bytes);
+  writer.put_bytes(sizes.bytes());
+  writer.put_bytes(bits_.finish());
+  return writer.take();
+}
+
+ConnectivityDecoder::ConnectivityDecoder(std::span<const std::byte> bytes, std::size_t triangle_count)
+    : bits_({}) {
+  core::ByteReader reader(bytes);
+  const std::size_t size = get_size(reader);
+  ValueDecoder values(reader.get_bytes(size), kContexts, TableLayout::kRuns);
+  tables_ = values.tables();
+  // Gates, of which a triangle opens three at most, are served once.
+  std::size_t room = 3 * triangle_count;
+  std::vector<std::size_t> counts(values.table_count());
+  for (auto& count : counts) {
+    count = std::min(get_size(reader), room + 1);
+    is_valid_ = is_valid_ && count <= room;
+    room -= std::min(count, room);
+  }
+  if (counts.empty()) counts.push_back(0);
+  bits_ = BitDecoder(reader.get_bytes(reader.remaining()));
+  symbols_ = std::make_unique_for_overwrite<std::uint32_t[]>(3 * triangle_count - room + 2 * counts.size());
+  std::uint32_t* next = symbols_.get();
+  for (std::size_t i = 0; is_valid_ && i < counts.size(); ++i) {
+    values.get_of_table(std::span(next, counts[i]), i);
+    // One for the symbol that is none, and one for what is read after it.
+    next[counts[i]] = next[counts[i] + 1] = kEnd;
+    sequences_.push_back({next + 1, next[0]});
+    next += counts[i] + 2;
+  }
+  is_valid_ = is_valid_ && !reader.failed() && values.is_done();
+}
+
+bool ConnectivityDecoder::decode(CodedPart& part, LinkStore& store) {
+  if (!is_valid_) return false;
+  DecodingSource source(*this);
+  return traverse(source, std::span(part.triangles), part.positions.size(), store);
+}
+
+bool ConnectivityDecoder::is_done() const {
+  // What is left of each sequence is its end.
+  return is_valid_ && std::all_of(sequences_.begin(), sequences_.end(),
+                                  [](const Sequence& sequence) { return sequence.symbol == kEnd; });
 }
 
 }  // namespace colossus::codec::predict

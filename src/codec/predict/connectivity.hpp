@@ -1,61 +1,73 @@
 // Triangles as symbols of the traversal, each coded in the context of what its gate looks like.
+//
+// Symbols are kept apart by the table that their context has, so that a decoder reads them all before the
+// traversal, many at a time, and then only takes the next of a sequence: reading one by one takes longer than
+// all else that a triangle needs.
 #pragma once
-
-#include <bit>
 
 #include "codec/coded_node.hpp"
 #include "codec/predict/bit_coder.hpp"
 #include "codec/predict/traversal.hpp"
+#include "codec/predict/values.hpp"
 
 namespace colossus::codec::predict {
 
-class SymbolModel {
+// Seeds and numbers of known vertices.
+class SeedModel {
  public:
-  void put(BitEncoder& encoder, const Situation& at, const Step& step, std::uint32_t known);
-  Step get(BitDecoder& decoder, const Situation& at, std::uint32_t known) {
-    if (at.can_be_last && decoder.get(is_last_)) return {Symbol::kLast, 0};
-    Models& m = models(at);
-    if (!decoder.get(m.is_new)) return {Symbol::kNew, 0};
-    if (at.can_be_right && !decoder.get(m.is_right)) return {Symbol::kRight, 0};
-    if (at.can_be_left && !decoder.get(m.is_left)) return {Symbol::kLeft, 0};
-    if (!decoder.get(m.is_border)) return {Symbol::kBorder, 0};
-    return {Symbol::kKnown, decoder.get_bits(std::bit_width(known))};
-  }
-  void put_seed(BitEncoder& encoder, const std::array<std::uint32_t, 3>& seed, std::uint32_t known);
-  std::array<std::uint32_t, 3> get_seed(BitDecoder& decoder, std::uint32_t known);
+  void put(BitEncoder& encoder, const std::array<std::uint32_t, 3>& seed, std::uint32_t known);
+  std::array<std::uint32_t, 3> get(BitDecoder& decoder, std::uint32_t known);
 
  private:
-  struct Models {
-    BitModel is_new;
-    BitModel is_right;
-    BitModel is_left;
-    BitModel is_border;
-  };
-  static constexpr std::uint32_t kValencesA = 7;
-  static constexpr std::uint32_t kValencesB = kMostValence + 1;
-  static constexpr std::uint32_t kLatest = 3;  // new, right, and all others
-
-  Models& models(const Situation& at) {
-    const std::uint32_t a = std::min<std::uint32_t>(at.valence_a, kValencesA - 1);
-    const std::uint32_t latest = std::min(static_cast<std::uint32_t>(at.latest), kLatest - 1);
-    const std::uint32_t sides = (at.can_be_left ? 1U : 0U) + (at.can_be_right ? 2U : 0U);
-    return models_[((at.valence_b * kValencesA + a) * kLatest + latest) * 4 + sides];
-  }
-
-  std::array<Models, std::size_t{kValencesB} * kValencesA * kLatest * 4> models_;
-  BitModel is_last_;
-  std::array<BitModel, 3> is_seed_new_;
+  std::array<BitModel, 3> is_known_;
 };
 
-// The order of triangles that encode_connectivity() wants. Linear.
+// The order of triangles that ConnectivityEncoder wants. Linear.
 void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count);
 
-// Triangles must be as order_by_traversal() leaves them. Fills the links, one for each vertex.
-void encode_connectivity(BitEncoder& encoder, SymbolModel& model, const CodedPart& part,
-                         std::span<VertexLinks> links);
+class ConnectivityEncoder {
+ public:
+  // Triangles must be as order_by_traversal() leaves them. Fills the store.
+  void encode(const CodedPart& part, LinkStore& store);
+  // For what else is to be told between two parts.
+  BitEncoder& bits() { return bits_; }
+  core::Bytes finish();
 
-// Fills the triangles and the links; false when the symbols make no sense.
-bool decode_connectivity(BitDecoder& decoder, SymbolModel& model, CodedPart& part,
-                         std::span<VertexLinks> links);
+ private:
+  friend class EncodingSource;
+  struct Occurrence {
+    std::uint16_t context;
+    Symbol symbol;
+  };
+  std::vector<Occurrence> symbols_;
+  BitEncoder bits_;
+  SeedModel seeds_;
+};
+
+// Total on any bytes.
+class ConnectivityDecoder {
+ public:
+  // No more symbols are read than this many triangles can have.
+  ConnectivityDecoder(std::span<const std::byte> bytes, std::size_t triangle_count);
+  // Fills the triangles and the store; false when the symbols make no sense.
+  bool decode(CodedPart& part, LinkStore& store);
+  BitDecoder& bits() { return bits_; }
+  // Whether all symbols were read, no more and no less.
+  bool is_done() const;
+
+ private:
+  friend class DecodingSource;
+  // Of the symbols of one table.
+  struct Sequence {
+    const std::uint32_t* next;  // of those that come after
+    std::uint32_t symbol;       // the present one
+  };
+  bool is_valid_ = true;
+  std::vector<std::uint8_t> tables_;          // by context
+  std::unique_ptr<std::uint32_t[]> symbols_;  // those of each table, and one that is none
+  std::vector<Sequence> sequences_;           // by table
+  BitDecoder bits_;
+  SeedModel seeds_;
+};
 
 }  // namespace colossus::codec::predict

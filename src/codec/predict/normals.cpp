@@ -1,101 +1,16 @@
 #include "codec/predict/normals.hpp"
 
-#include <algorithm>
-#include <bit>
+#include <cstdlib>
 
 #include "codec/predict/buffer.hpp"
+#include "codec/predict/face_sums.hpp"
+#include "codec/predict/projections.hpp"
 
 namespace colossus::codec::predict {
 namespace {
 
-// Coordinates keep so many bits, and one for 2^bits itself. Sums over a million triangles fit; what does not,
-// wraps.
-constexpr int kEdgeBits = 16;
-constexpr std::uint32_t kEdgeMask = (2U << kEdgeBits) - 1;
-// A component of a sum keeps so many bits when it is projected.
-constexpr int kSumBits = 14;
-
-// Sums of face normals at each vertex, by area.
-std::vector<LongVector> face_sums(const CodedNode& node, const CodedPart& part) {
-  const int shift = std::max(0, node.position_bits - kEdgeBits);
-  Buffer<std::array<std::int32_t, 4>> points(part.positions.size());
-  std::array<std::array<std::uint32_t, 3>, 3> frame;
-  for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      frame[row][axis] = static_cast<std::uint32_t>(int{part.frame[row][axis]});
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    const Coordinates& w = part.positions[v];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::uint32_t sum = 0;
-      for (std::size_t row = 0; row < 3; ++row) sum += (w[row] >> shift & kEdgeMask) * frame[row][axis];
-      points[v][axis] = static_cast<std::int32_t>(sum);
-    }
-  }
-  std::vector<LongVector> sums(points.size());
-  for (const mesh::Triangle& t : part.triangles) {
-    const auto& p = points[t[0]];
-    LongVector a{};
-    LongVector b{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      a[i] = points[t[1]][i] - p[i];
-      b[i] = points[t[2]][i] - p[i];
-    }
-    const LongVector n{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    for (const std::uint32_t v : t)
-      for (std::size_t i = 0; i < 3; ++i) sums[v][i] = wrapped_sum(sums[v][i], n[i]);
-  }
-  return sums;
-}
-
-// Adds to `weight` times each sum those of the neighbours, once per triangle.
-std::vector<LongVector> smoothed(const std::vector<LongVector>& sums, const CodedPart& part,
-                                 std::int64_t weight) {
-  std::vector<LongVector> result(sums.size());
-  for (std::size_t v = 0; v < sums.size(); ++v)
-    for (std::size_t i = 0; i < 3; ++i) result[v][i] = wrapped_product(weight, sums[v][i]);
-  for (const mesh::Triangle& t : part.triangles)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::int64_t all = wrapped_sum(wrapped_sum(sums[t[0]][i], sums[t[1]][i]), sums[t[2]][i]);
-      for (const std::uint32_t v : t)
-        result[v][i] = wrapped_sum(result[v][i], wrapped_difference(all, sums[v][i]));
-    }
-  return result;
-}
-
-// A predicted normal in the octahedron's square. Around its lower pole the square is folded over, so that a
-// prediction near its border has neighbours on all sides.
-struct Projection {
-  std::int32_t u = 128;  // the nearest cell, 0 to 255
-  std::int32_t v = 128;
-  std::int32_t u_sign = 1;  // -1 where the prediction is below the cell's middle
-  std::int32_t v_sign = 1;
-  bool is_folded = false;
-};
-
-inline Projection project(const LongVector& n) {
-  Projection projection;
-  if ((n[0] | n[1] | n[2]) == 0) return projection;
-  const int excess = excess_bits(n[0], n[1], n[2], kSumBits);
-  const auto x = static_cast<std::int32_t>(n[0] >> excess);
-  const auto y = static_cast<std::int32_t>(n[1] >> excess);
-  const auto z = static_cast<std::int32_t>(n[2] >> excess);
-  const std::int32_t sum = std::abs(x) + std::abs(y) + std::abs(z);
-  projection.is_folded = z < 0;
-  // 255 * (x / sum + 1) / 2 in fixed point, with one division for both.
-  constexpr int kPoint = 24;
-  constexpr std::uint32_t kHalf = 1U << (kPoint - 1);
-  const std::uint32_t scale = 255 * kHalf / static_cast<std::uint32_t>(sum);
-  const std::uint32_t u = static_cast<std::uint32_t>(x + sum) * scale + kHalf;
-  const std::uint32_t v = static_cast<std::uint32_t>(y + sum) * scale + kHalf;
-  projection.u = static_cast<std::int32_t>(u >> kPoint);
-  projection.v = static_cast<std::int32_t>(v >> kPoint);
-  projection.u_sign = (u & (2 * kHalf - 1)) < kHalf ? -1 : 1;
-  projection.v_sign = (v & (2 * kHalf - 1)) < kHalf ? -1 : 1;
-  return projection;
-}
-
 // Its own inverse.
-inline void fold(std::int32_t& u, std::int32_t& v) {
+constexpr void fold(std::int32_t& u, std::int32_t& v) {
   const std::int32_t x = 2 * u - 255;
   const std::int32_t y = 2 * v - 255;
   // Both are odd: signs are 1 and -1, without a branch.
@@ -103,66 +18,72 @@ inline void fold(std::int32_t& u, std::int32_t& v) {
   v = ((256 - std::abs(x)) * ((y >> 31) | 1) + 255) >> 1;
 }
 
-constexpr std::int32_t wrapped_byte(std::int32_t value) { return static_cast<std::int8_t>(value & 255); }
-
+std::uint32_t first_context(std::uint8_t kind) { return is_border(kind) ? 1 : 0; }
 std::uint32_t second_context(std::uint8_t kind, std::uint32_t first) {
   return 2 + kNormalSizes * static_cast<std::uint32_t>(is_border(kind)) + class_of(first, 1, 3, 7, 15, 31);
 }
 
-struct Miss {
-  std::int32_t u = 0;
-  std::int32_t v = 0;
-};
+std::int32_t own_weight(NormalMode mode) {
+  if (mode == NormalMode::kSmoothed) return 8;
+  return mode == NormalMode::kMoreSmoothed ? 3 : 0;
+}
 
-class Predictor {
- public:
-  Predictor(NormalMode mode, const Links& links, const CodedNode& node, const CodedPart& part)
-      : links_(links.of), expects_misses_(mode != NormalMode::kSum), sums_(face_sums(node, part)) {
-    if (mode == NormalMode::kSmoothed) sums_ = smoothed(sums_, part, 8);
-    if (mode == NormalMode::kMoreSmoothed) sums_ = smoothed(sums_, part, 3);
-    if (expects_misses_) misses_.resize(sums_.size());
-  }
+// What a projection missed the normal by, u and v in lanes of 16 bits: a byte each, 128 more than it is.
+using Miss = std::uint32_t;
+constexpr Miss kEachLane = 0x00010001;
+constexpr std::uint32_t kOffset = 128;
 
-  Projection project_sum(std::uint32_t v) const { return project(sums_[v]); }
+constexpr Miss to_miss(std::uint32_t u, std::uint32_t v) {
+  return ((u + kOffset) & 255) | ((v + kOffset) & 255) << 16;
+}
 
-  // Half the mean of what the neighbours' projections missed their normals by.
-  Miss expected_miss(std::uint32_t v) const {
-    if (!expects_misses_ || links_[v].neighbor_count == 0) return {};
-    std::int32_t u_sum = 0;
-    std::int32_t v_sum = 0;
-    for (const std::uint32_t neighbor : links_[v].neighbors) {
-      u_sum += misses_[neighbor].u;
-      v_sum += misses_[neighbor].v;
-    }
-    constexpr auto kTwice = static_cast<std::int32_t>(2 * kMostNeighbors);
-    return {u_sum / kTwice, v_sum / kTwice};
-  }
-  void set_miss(std::uint32_t v, const Miss& miss) {
-    if (expects_misses_) misses_[v] = miss;
-  }
+// Adds to it half the mean of the neighbours' misses, rounded towards zero.
+Miss with_expected_miss(Miss miss, const Links& links, std::size_t vertex, const Miss* misses) {
+  if (neighbors_of(links.kinds[vertex]) == 0) return miss;
+  const auto& [p, q, r, s] = links.of[vertex].neighbors;
+  const Miss sum = (misses[p] + misses[q]) + (misses[r] + misses[s]);
+  // Four offsets make 2^9: a sum that has this bit is not negative, and rounded down.
+  const Miss not_negative = sum >> 9 & kEachLane;
+  const Miss rounded_up = (sum + 7 * kEachLane + not_negative) >> 3 & 255 * kEachLane;
+  // In this order, since vertices wait for what those just before them yield, which is in the sum.
+  constexpr std::uint32_t kOffsets = kMostNeighbors * kOffset / 8;
+  return ((miss + (256 - kOffsets) * kEachLane - not_negative) + rounded_up) & 255 * kEachLane;
+}
 
- private:
-  std::span<const VertexLinks> links_;
-  bool expects_misses_;
-  std::vector<LongVector> sums_;
-  std::vector<Miss> misses_;
-};
+constexpr OctahedralNormal normal_of(std::uint32_t u_projection, std::uint32_t v_projection, Miss miss) {
+  const auto u = static_cast<std::int32_t>((nearest_cell(u_projection) + miss - kOffset) & 255);
+  const auto v = static_cast<std::int32_t>((nearest_cell(v_projection) + (miss >> 16) - kOffset) & 255);
+  std::int32_t u_folded = u;
+  std::int32_t v_folded = v;
+  fold(u_folded, v_folded);
+  const std::int32_t mask = fold_mask(u_projection);
+  return {static_cast<std::uint8_t>((u_folded & mask) | (u & ~mask)),
+          static_cast<std::uint8_t>((v_folded & mask) | (v & ~mask))};
+}
 
 // Calls back with what is left of each normal, in order.
 template <typename Take>
 void for_each_residual(NormalMode mode, const Links& links, const CodedNode& node, const CodedPart& part,
                        Take take) {
-  Predictor predictor(mode, links, node, part);
-  for (std::uint32_t v = 0; v < part.normals.size(); ++v) {
-    const Projection projection = predictor.project_sum(v);
-    std::int32_t u_cell = part.normals[v][0];
-    std::int32_t v_cell = part.normals[v][1];
-    if (projection.is_folded) fold(u_cell, v_cell);
-    const Miss expected = predictor.expected_miss(v);
-    const Miss miss{wrapped_byte(u_cell - projection.u), wrapped_byte(v_cell - projection.v)};
-    predictor.set_miss(v, miss);
-    take(v, std::array<std::uint32_t, 2>{to_unsigned(projection.u_sign * wrapped_byte(miss.u - expected.u)),
-                                         to_unsigned(projection.v_sign * wrapped_byte(miss.v - expected.v))});
+  const Projections projections = project(face_sums(node.position_bits, part, own_weight(mode)));
+  Buffer<Miss> misses(part.normals.size());
+  for (std::uint32_t i = 0; i < part.normals.size(); ++i) {
+    const std::uint32_t u = projections.u[i];
+    const std::uint32_t v = projections.v[i];
+    std::int32_t u_cell = part.normals[i][0];
+    std::int32_t v_cell = part.normals[i][1];
+    if (fold_mask(u) != 0) fold(u_cell, v_cell);
+    misses[i] = to_miss(static_cast<std::uint32_t>(u_cell) - nearest_cell(u),
+                        static_cast<std::uint32_t>(v_cell) - nearest_cell(v));
+    const Miss none = to_miss(0, 0);
+    const Miss expected = mode == NormalMode::kSum ? none : with_expected_miss(none, links, i, &misses[0]);
+    const auto residual = [](std::uint32_t place, std::uint32_t rest) {
+      const auto wrapped = static_cast<std::uint32_t>(static_cast<std::int8_t>(rest & 255));
+      return to_unsigned(static_cast<std::int32_t>(with_sign_of(place, wrapped)));
+    };
+    // Lanes stay above zero.
+    const Miss rest = misses[i] + 256 * kEachLane - expected;
+    take(i, std::array<std::uint32_t, 2>{residual(u, rest), residual(v, rest >> 16)});
   }
 }
 
@@ -191,7 +112,7 @@ void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links, c
   for_each_residual(mode, links, node, part,
                     [&](std::uint32_t v, const std::array<std::uint32_t, 2>& r) { residuals[v] = r; });
   for (std::size_t v = 0; v < residuals.size(); ++v)
-    values.put(is_border(links.kinds[v]) ? 1 : 0, residuals[v][0]);
+    values.put(first_context(links.kinds[v]), residuals[v][0]);
   values.end_batch();
   for (std::size_t v = 0; v < residuals.size(); ++v)
     values.put(second_context(links.kinds[v], residuals[v][0]), residuals[v][1]);
@@ -203,21 +124,25 @@ void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links, c
   const std::size_t count = part.normals.size();
   Buffer<std::uint32_t> first(count);
   Buffer<std::uint32_t> second(count);
-  values.get_batch(first.all(), [&](std::size_t v) { return is_border(links.kinds[v]) ? 1U : 0U; });
-  values.get_batch(second.all(), [&](std::size_t v) { return second_context(links.kinds[v], first[v]); });
-  Predictor predictor(mode, links, node, part);
-  for (std::uint32_t v = 0; v < count; ++v) {
-    const Projection projection = predictor.project_sum(v);
-    const Miss expected = predictor.expected_miss(v);
-    const Miss miss{wrapped_byte(projection.u_sign * wrapped_byte(to_signed(first[v])) + expected.u),
-                    wrapped_byte(projection.v_sign * wrapped_byte(to_signed(second[v])) + expected.v)};
-    predictor.set_miss(v, miss);
-    std::int32_t u_cell = (projection.u + miss.u) & 255;
-    std::int32_t v_cell = (projection.v + miss.v) & 255;
-    if (projection.is_folded) fold(u_cell, v_cell);
-    part.normals[v][0] = static_cast<std::uint8_t>(u_cell);
-    part.normals[v][1] = static_cast<std::uint8_t>(v_cell);
+  values.get_batch(first.all(), [&](std::size_t i) { return first_context(links.kinds[i]); });
+  Buffer<std::uint8_t> contexts(count);
+  for (std::size_t i = 0; i < count; ++i)
+    contexts[i] = static_cast<std::uint8_t>(second_context(links.kinds[i], first[i]));
+  values.get_batch(second.all(), [&](std::size_t i) { return contexts[i]; });
+  const Projections projections = project(face_sums(node.position_bits, part, own_weight(mode)));
+  const std::uint32_t* const us = &projections.u[0];
+  const std::uint32_t* const vs = &projections.v[0];
+  Buffer<Miss> buffer(count);
+  Miss* const misses = &buffer[0];
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto u = static_cast<std::uint32_t>(to_signed(first[i]));
+    const auto v = static_cast<std::uint32_t>(to_signed(second[i]));
+    misses[i] = to_miss(with_sign_of(us[i], u), with_sign_of(vs[i], v));
   }
+  if (mode != NormalMode::kSum)
+    for (std::size_t i = 0; i < count; ++i) misses[i] = with_expected_miss(misses[i], links, i, misses);
+  OctahedralNormal* const normals = part.normals.data();
+  for (std::size_t i = 0; i < count; ++i) normals[i] = normal_of(us[i], vs[i], misses[i]);
 }
 
 }  // namespace colossus::codec::predict

@@ -11,7 +11,7 @@ constexpr std::uint32_t kDifference = 2;
 std::uint32_t choice_context(std::uint8_t kind) { return kChoice + (neighbors_of(kind) > 2 ? 1U : 0U); }
 
 std::uint32_t base_of(const Links& links, const std::vector<std::uint32_t>& parents, std::size_t v) {
-  if (links.of[v].neighbor_count > 0) return parents[links.of[v].neighbors[0]];
+  if (neighbors_of(links.kinds[v]) > 0) return parents[links.of[v].neighbors[0]];
   return v > 0 ? parents[v - 1] : 0;
 }
 
@@ -22,7 +22,7 @@ void encode_parents(ValueEncoder& values, const Links& links, const CodedPart& p
   std::vector<std::uint32_t> differences;
   for (std::size_t v = 0; v < count; ++v) {
     std::uint32_t choice = kOther;
-    for (std::uint32_t i = links.of[v].neighbor_count; i-- > 0;)
+    for (std::uint32_t i = neighbors_of(links.kinds[v]); i-- > 0;)
       if (part.parents[links.of[v].neighbors[i]] == part.parents[v]) choice = i;
     values.put(choice_context(links.kinds[v]), choice);
     if (choice == kOther)
@@ -39,13 +39,13 @@ void decode_parents(ValueDecoder& values, const Links& links, CodedPart& part) {
   std::vector<std::uint32_t> choices(count);
   values.get_batch(choices, [&](std::size_t v) { return choice_context(links.kinds[v]); });
   std::size_t others = 0;
-  for (std::size_t v = 0; v < count; ++v) others += choices[v] >= links.of[v].neighbor_count ? 1 : 0;
+  for (std::size_t v = 0; v < count; ++v) others += choices[v] >= neighbors_of(links.kinds[v]) ? 1 : 0;
   std::vector<std::uint32_t> differences(others);
   values.get_batch(differences, [](std::size_t) { return kDifference; });
   std::size_t next = 0;
   for (std::size_t v = 0; v < count; ++v)
     part.parents[v] =
-        choices[v] < links.of[v].neighbor_count
+        choices[v] < neighbors_of(links.kinds[v])
             ? part.parents[links.of[v].neighbors[choices[v]]]
             : base_of(links, part.parents, v) + static_cast<std::uint32_t>(to_signed(differences[next++]));
 }

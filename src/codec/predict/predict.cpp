@@ -1,5 +1,6 @@
 #include "codec/predict/predict.hpp"
 
+#include "codec/predict/adaptive_connectivity.hpp"
 #include "codec/predict/colors.hpp"
 #include "codec/predict/connectivity.hpp"
 #include "codec/predict/normals.hpp"
@@ -14,11 +15,52 @@ using namespace predict;
 
 constexpr std::size_t index_of(Component component) { return static_cast<std::size_t>(component); }
 
+// Versions differ in their connectivity, in how tables are written, and in the first vertex's colour.
+template <typename Connectivity>
+std::optional<Defect> decode_sections(const SectionViews& sections, CodedNode& node, TableLayout layout,
+                                      const mesh::Color& first_color) {
+  const auto section = [&](Component component) { return sections[index_of(component)]; };
+  std::size_t triangle_count = 0;
+  std::size_t most_vertices = 0;
+  for (const CodedPart& part : node.parts) {
+    triangle_count += part.triangles.size();
+    most_vertices = std::max(most_vertices, part.positions.size());
+  }
+  Connectivity connectivity(section(Component::kConnectivity), triangle_count);
+  FaceModel faces;
+  ValueDecoder positions(section(Component::kPositions), kPositionContexts, layout);
+  auto normal_bytes = section(Component::kNormals);
+  auto mode = NormalMode::kSum;
+  if (node.has_normals) {
+    if (normal_bytes.empty() || std::to_integer<std::uint8_t>(normal_bytes.back()) >= kNormalModes)
+      return Defect{"the normals' mode is unknown", 0};
+    mode = static_cast<NormalMode>(normal_bytes.back());
+    normal_bytes = normal_bytes.first(normal_bytes.size() - 1);
+  }
+  ValueDecoder normals(normal_bytes, node.has_normals ? kNormalContexts : 0, layout);
+  ValueDecoder colors(section(Component::kColors), node.has_colors ? kColorContexts : 0, layout);
+  ValueDecoder parents(section(Component::kParents), node.has_parents ? kParentContexts : 0, layout);
+  LinkStore store(most_vertices);
+  for (CodedPart& part : node.parts) {
+    if (!connectivity.decode(part, store)) return Defect{"the connectivity makes no sense", 0};
+    const Links links = store.first(part.positions.size());
+    decode_positions(connectivity.bits(), faces, positions, basis_of(part.frame), links, node, part);
+    if (node.has_normals) decode_normals(normals, mode, links, node, part);
+    if (node.has_colors) decode_colors(colors, links, part, first_color);
+    if (node.has_parents) decode_parents(parents, links, part);
+  }
+  if (!connectivity.is_done()) return Defect{"the connectivity is not as long as it should be", 0};
+  if (!positions.is_done()) return Defect{"the positions are not as long as they should be", 0};
+  if (!normals.is_done()) return Defect{"the normals are not as long as they should be", 0};
+  if (!colors.is_done()) return Defect{"the colours are not as long as they should be", 0};
+  if (!parents.is_done()) return Defect{"the parents are not as long as they should be", 0};
+  return std::nullopt;
+}
+
 }  // namespace
 
 Sections encode_predicted(const CodedNode& node) {
-  BitEncoder bits;
-  SymbolModel symbols;
+  ConnectivityEncoder connectivity;
   FaceModel faces;
   ValueEncoder positions(kPositionContexts);
   ValueEncoder normals(kNormalContexts);
@@ -28,9 +70,9 @@ Sections encode_predicted(const CodedNode& node) {
   std::vector<Links> links;
   for (const CodedPart& part : node.parts) {
     const std::size_t count = part.positions.size();
-    encode_connectivity(bits, symbols, part, stores.emplace_back(count).links(count));
-    links.push_back(stores.back().finish(count));
-    encode_positions(bits, faces, positions, basis_of(part.frame), links.back(), node, part);
+    connectivity.encode(part, stores.emplace_back(count));
+    links.push_back(stores.back().first(count));
+    encode_positions(connectivity.bits(), faces, positions, basis_of(part.frame), links.back(), node, part);
     if (node.has_colors) encode_colors(colors, links.back(), part);
     if (node.has_parents) encode_parents(parents, links.back(), part);
   }
@@ -42,7 +84,7 @@ Sections encode_predicted(const CodedNode& node) {
     sections[index_of(Component::kNormals)] = normals.finish();
     sections[index_of(Component::kNormals)].push_back(static_cast<std::byte>(mode));
   }
-  sections[index_of(Component::kConnectivity)] = bits.finish();
+  sections[index_of(Component::kConnectivity)] = connectivity.finish();
   sections[index_of(Component::kPositions)] = positions.finish();
   sections[index_of(Component::kColors)] = colors.finish();
   sections[index_of(Component::kParents)] = parents.finish();
@@ -50,40 +92,11 @@ Sections encode_predicted(const CodedNode& node) {
 }
 
 std::optional<Defect> decode_predicted(const SectionViews& sections, CodedNode& node) {
-  const auto section = [&](Component component) { return sections[index_of(component)]; };
-  BitDecoder bits(section(Component::kConnectivity));
-  SymbolModel symbols;
-  FaceModel faces;
-  ValueDecoder positions(section(Component::kPositions), kPositionContexts);
-  auto normal_bytes = section(Component::kNormals);
-  auto mode = NormalMode::kSum;
-  if (node.has_normals) {
-    if (normal_bytes.empty() || std::to_integer<std::uint8_t>(normal_bytes.back()) >= kNormalModes)
-      return Defect{"the normals' mode is unknown", 0};
-    mode = static_cast<NormalMode>(normal_bytes.back());
-    normal_bytes = normal_bytes.first(normal_bytes.size() - 1);
-  }
-  ValueDecoder normals(normal_bytes, node.has_normals ? kNormalContexts : 0);
-  ValueDecoder colors(section(Component::kColors), node.has_colors ? kColorContexts : 0);
-  ValueDecoder parents(section(Component::kParents), node.has_parents ? kParentContexts : 0);
-  std::size_t most = 0;
-  for (const CodedPart& part : node.parts) most = std::max(most, part.positions.size());
-  LinkStore store(most);
-  for (CodedPart& part : node.parts) {
-    const std::size_t count = part.positions.size();
-    if (!decode_connectivity(bits, symbols, part, store.links(count)))
-      return Defect{"the connectivity makes no sense", 0};
-    const Links links = store.finish(count);
-    decode_positions(bits, faces, positions, basis_of(part.frame), links, node, part);
-    if (node.has_normals) decode_normals(normals, mode, links, node, part);
-    if (node.has_colors) decode_colors(colors, links, part);
-    if (node.has_parents) decode_parents(parents, links, part);
-  }
-  if (!positions.is_done()) return Defect{"the positions are not as long as they should be", 0};
-  if (!normals.is_done()) return Defect{"the normals are not as long as they should be", 0};
-  if (!colors.is_done()) return Defect{"the colours are not as long as they should be", 0};
-  if (!parents.is_done()) return Defect{"the parents are not as long as they should be", 0};
-  return std::nullopt;
+  return decode_sections<ConnectivityDecoder>(sections, node, TableLayout::kRuns, kOpaqueBlack);
+}
+
+std::optional<Defect> decode_predicted_1(const SectionViews& sections, CodedNode& node) {
+  return decode_sections<AdaptiveConnectivityDecoder>(sections, node, TableLayout::kEach, kTransparentBlack);
 }
 
 }  // namespace colossus::codec

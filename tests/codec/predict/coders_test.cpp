@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "codec/predict/adaptive_connectivity.hpp"
 #include "codec/predict/basis.hpp"
 #include "codec/predict/connectivity.hpp"
 #include "codec/predict/values.hpp"
@@ -82,7 +83,7 @@ TEST(Values, DecodeWhatWasEncoded) {
       encoder.end_batch();
     }
     const core::Bytes bytes = encoder.finish();
-    ValueDecoder decoder(bytes, kContexts);
+    ValueDecoder decoder(bytes, kContexts, TableLayout::kRuns);
     for (const auto& batch : batches) {
       std::vector<std::uint32_t> values(batch.size());
       decoder.get_batch(values, context_of);
@@ -92,7 +93,7 @@ TEST(Values, DecodeWhatWasEncoded) {
     if (bytes.empty()) continue;
     // Any other length is noticed, if not at once.
     const std::span<const std::byte> cut(bytes.data(), bytes.size() - 1);
-    ValueDecoder shorter(cut, kContexts);
+    ValueDecoder shorter(cut, kContexts, TableLayout::kRuns);
     for (const auto& batch : batches) {
       std::vector<std::uint32_t> values(batch.size());
       shorter.get_batch(values, context_of);
@@ -106,10 +107,60 @@ TEST(Values, NonsenseEnds) {
     Random random(seed);
     core::Bytes bytes(pick(random, 0, 200));
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
-    ValueDecoder decoder(bytes, 3);
-    std::vector<std::uint32_t> values(1000);
-    decoder.get_batch(values, [](std::size_t i) { return i % 3; });
+    for (const TableLayout layout : {TableLayout::kEach, TableLayout::kRuns}) {
+      ValueDecoder decoder(bytes, 3, layout);
+      std::vector<std::uint32_t> values(1000);
+      decoder.get_batch(values, [](std::size_t i) { return i % 3; });
+      for (std::size_t table = 0; table < decoder.table_count(); ++table) decoder.get_of_table(values, table);
+    }
   }
+}
+
+// Contexts of like values share a table, others do not, and none is left out.
+TEST(Values, ContextsShareTablesWhereThatIsShorter) {
+  static constexpr std::size_t kContexts = 40;
+  static constexpr std::size_t kCount = 8;
+  const auto table_count = [](std::uint32_t per_context, auto token_of_context) {
+    std::vector<std::uint32_t> counts(kContexts * kCount);
+    for (std::size_t c = 0; c < kContexts; ++c)
+      for (std::size_t t = 0; t < kCount; ++t)
+        counts[c * kCount + t] = t == token_of_context(c) ? 9 * per_context : t < 2 ? per_context : 0;
+    const TableRuns runs = TableRuns::of(counts, kCount);
+    EXPECT_EQ(runs.tables().size(), kContexts);
+    for (std::size_t c = 1; c < kContexts; ++c) {
+      EXPECT_GE(runs.tables()[c], runs.tables()[c - 1]);
+      EXPECT_LE(runs.tables()[c], runs.tables()[c - 1] + 1);
+    }
+    BitEncoder encoder;
+    runs.write(encoder);
+    const core::Bytes bytes = encoder.finish();
+    BitDecoder decoder(bytes);
+    TableRuns again;
+    EXPECT_TRUE(again.read(decoder, kContexts));
+    EXPECT_EQ(again.table_count(), runs.table_count());
+    EXPECT_TRUE(std::equal(again.tables().begin(), again.tables().end(), runs.tables().begin()));
+    return runs.table_count();
+  };
+  EXPECT_EQ(table_count(0, [](std::size_t) { return 0U; }), 0U);
+  EXPECT_EQ(table_count(100, [](std::size_t) { return 3U; }), 1U);
+  EXPECT_EQ(table_count(100, [](std::size_t c) { return c < 20 ? 3U : 4U; }), 2U);
+  EXPECT_EQ(table_count(100, [](std::size_t c) { return c % 2 == 0 ? 3U : 4U; }), kContexts);
+  EXPECT_LT(table_count(1, [](std::size_t c) { return c % 2 == 0 ? 3U : 4U; }), kContexts);
+}
+
+// More contexts than tables, each with values of its own.
+TEST(Values, TablesAreAtMostSoMany) {
+  constexpr std::uint32_t kContexts = 3 * kMostTables;
+  ValueEncoder encoder(kContexts);
+  for (std::uint32_t i = 0; i < 300 * kContexts; ++i) encoder.put(i % kContexts, i % kContexts % 2);
+  encoder.end_batch();
+  const core::Bytes bytes = encoder.finish();
+  ValueDecoder decoder(bytes, kContexts, TableLayout::kRuns);
+  EXPECT_EQ(decoder.table_count(), kMostTables);
+  std::vector<std::uint32_t> values(300 * kContexts);
+  decoder.get_batch(values, [](std::size_t i) { return i % kContexts; });
+  for (std::uint32_t i = 0; i < values.size(); ++i) ASSERT_EQ(values[i], i % kContexts % 2);
+  EXPECT_TRUE(decoder.is_done());
 }
 
 struct Coded {
@@ -123,10 +174,9 @@ Coded coded(std::vector<Triangle> triangles, std::uint32_t vertex_count) {
   renumber_by_first_use(triangles, vertex_count);
   result.part.triangles = std::move(triangles);
   result.part.positions.resize(vertex_count);
-  BitEncoder encoder;
-  SymbolModel model;
+  ConnectivityEncoder encoder;
   LinkStore store(vertex_count);
-  encode_connectivity(encoder, model, result.part, store.links(vertex_count));
+  encoder.encode(result.part, store);
   result.bytes = encoder.finish();
   return result;
 }
@@ -148,10 +198,10 @@ void expect_round_trip(const std::vector<Triangle>& triangles, std::uint32_t ver
   CodedPart to;
   to.positions.resize(vertex_count);
   to.triangles.resize(triangles.size());
-  BitDecoder decoder(from.bytes);
-  SymbolModel model;
+  ConnectivityDecoder decoder(from.bytes, triangles.size());
   LinkStore store(vertex_count);
-  ASSERT_TRUE(decode_connectivity(decoder, model, to, store.links(vertex_count)));
+  ASSERT_TRUE(decoder.decode(to, store));
+  EXPECT_TRUE(decoder.is_done());
   EXPECT_EQ(to.triangles, from.part.triangles);
 }
 
@@ -188,7 +238,7 @@ std::vector<Triangle> torus(std::uint32_t columns, std::uint32_t rows) {
 TEST(Traversal, KeepsATorusInFewBits) {
   std::vector<Triangle> triangles = torus(60, 50);
   expect_round_trip(triangles, 3000);
-  EXPECT_LT(8 * coded(triangles, 3000).bytes.size(), 3000U / 2);
+  EXPECT_LT(8 * coded(triangles, 3000).bytes.size(), 3000U * 55 / 100);
 }
 
 // A vertex of 100,000 triangles, and as many triangles on one edge, take no more time than others.
@@ -204,36 +254,44 @@ TEST(Traversal, IsLinearInFansAndFins) {
   expect_round_trip(fins, kCount + 2);
 }
 
-TEST(Traversal, NonsenseEndsInValidTriangles) {
+template <typename Decoder>
+std::size_t count_accepted_nonsense(std::uint64_t seeds, const core::Bytes& start) {
   std::size_t accepted = 0;
-  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    core::Bytes bytes(pick(random, 0, 60));
-    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+    // Other bytes, or a few that are changed.
+    core::Bytes bytes = seed % 2 == 0 ? start : core::Bytes(pick(random, 0, 60));
+    for (std::byte& byte : bytes)
+      if (seed % 2 != 0 || pick(random, 0, 20) == 0) byte = static_cast<std::byte>(random());
     CodedPart part;
     const std::uint32_t vertex_count = pick(random, 0, 40);
     part.positions.resize(vertex_count);
     part.triangles.resize(pick(random, 0, 80));
-    BitDecoder decoder(bytes);
-    SymbolModel model;
+    Decoder decoder(bytes, part.triangles.size());
     LinkStore store(vertex_count);
-    if (!decode_connectivity(decoder, model, part, store.links(vertex_count))) continue;
+    if (!decoder.decode(part, store)) continue;
     ++accepted;
     for (const Triangle& t : part.triangles)
-      for (const std::uint32_t v : t) ASSERT_LT(v, vertex_count);
-    const Links links = store.finish(vertex_count);
+      for (const std::uint32_t v : t) EXPECT_LT(v, vertex_count);
+    const Links links = store.first(vertex_count);
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
-      if (links.of[v].neighbor_count > 0) {
-        for (const std::uint32_t neighbor : links.of[v].neighbors) ASSERT_LT(neighbor, v);
+      if (neighbors_of(links.kinds[v]) > 0) {
+        for (const std::uint32_t neighbor : links.of[v].neighbors) EXPECT_LT(neighbor, v);
       }
-      if (links.of[v].relation_count > 0) {
+      if (relations_of(links.kinds[v]) > 0) {
         for (const Relation& r : links.of[v].relations)
-          ASSERT_LT(std::max({r.first, r.second, r.opposite}), v);
+          EXPECT_LT(std::max({r.first, r.second, r.opposite}), v);
       }
     }
   }
-  EXPECT_GT(accepted, 100U);
+  return accepted;
+}
+
+TEST(Traversal, NonsenseEndsInValidTriangles) {
+  const core::Bytes start = coded(torus(6, 5), 30).bytes;
+  EXPECT_GT(count_accepted_nonsense<ConnectivityDecoder>(4000, start), 20U);
+  EXPECT_GT(count_accepted_nonsense<AdaptiveConnectivityDecoder>(2000, start), 100U);
 }
 
 // Whatever a head can say of a frame.
