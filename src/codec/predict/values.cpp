@@ -286,7 +286,8 @@ ValueDecoder::ValueDecoder(std::span<const std::byte> bytes, std::size_t context
 }
 
 void ValueDecoder::read_tables(BitDecoder& decoder, std::size_t context_count, TableLayout layout) {
-  if (layout == TableLayout::kEach) {
+  // Without bytes there are no tables, and all contexts have the one of zeros.
+  if (context_count > 0 && layout == TableLayout::kEach) {
     table_count_ = context_count;
     std::iota(numbers_.begin(), numbers_.end(), std::uint8_t{0});
   } else if (context_count > 0) {
