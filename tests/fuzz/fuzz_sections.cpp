@@ -1,6 +1,6 @@
-// A codec's decoder on its own: the first bytes choose the codec and the shape of a node of one or two parts,
-// the rest is cut into its sections. With COLOSSUS_CODEC=<name> in the environment it is always that codec.
-// Whatever comes back has the right sizes and indices in range.
+// A codec's decoder on its own: the first bytes choose the codec, old versions behind the present ones, and the
+// shape of a node of one or two parts, the rest is cut into its sections. With COLOSSUS_CODEC=<name> in the
+// environment it is always that codec. Whatever comes back has the right sizes and indices in range.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -20,9 +20,13 @@ void expect(bool condition) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   core::ByteReader reader(std::as_bytes(std::span(data, size)));
   const auto codecs = codec::codecs();
+  const auto old_versions = codec::old_versions();
   static const char* const only = std::getenv("COLOSSUS_CODEC");
   const auto choice = reader.get<std::uint8_t>();
-  const codec::Codec& codec = only != nullptr ? codec::codec_named(only) : codecs[choice % codecs.size()];
+  const std::size_t number = choice % (codecs.size() + old_versions.size());
+  const codec::Codec& codec = only != nullptr          ? codec::codec_named(only)
+                              : number < codecs.size() ? codecs[number]
+                                                       : old_versions[number - codecs.size()];
   const auto flags = reader.get<std::uint8_t>();
   codec::CodedNode node;
   node.has_normals = (flags & 1) != 0;

@@ -234,11 +234,11 @@ class Traversal {
       latest_ = 0;
     } else if (symbol == Symbol::kRight) {
       if (!at.can_be_right()) return false;
-      attach_right(a, b, opposite, before, next);
+      attach_side<false>(a, b, opposite, before, next);
       latest_ = 1;
     } else if (symbol == Symbol::kLeft) {
       if (!at.can_be_left()) return false;
-      attach_left(a, b, opposite, before, next);
+      attach_side<true>(a, b, opposite, before, next);
       latest_ = 2;
     } else if (symbol == Symbol::kBorder) {
       mark_border(gate);
@@ -289,31 +289,27 @@ class Traversal {
     if (next == gate) link(right, left);
   }
 
-  void attach_right(std::uint32_t a, std::uint32_t b, std::uint32_t opposite, std::uint32_t before,
-                    std::uint32_t next) {
-    const std::uint32_t after = gates_[next].next;
-    const std::uint32_t third = gates_[after].from;
-    emit(a, b, third);
-    attach_sides({a, b, opposite}, {gates_[next].opposite, a, b}, third, a);
-    gates_[next].opposite = kDone;
-    const std::uint32_t left = open(a, b, before, after, GateOrigin::kThirdToFirst);
-    gates_[before].next = left;
-    gates_[after].before = left;
-    // A loop of two gates is replaced by one of one.
-    if (before == next) link(left, left);
-  }
-
-  void attach_left(std::uint32_t a, std::uint32_t b, std::uint32_t opposite, std::uint32_t before,
+  // With the next gate, or on the left with the gate before. Twice in the program, since the symbol's branch
+  // is shorter than choosing each value.
+  template <bool kIsLeft>
+  void attach_side(std::uint32_t a, std::uint32_t b, std::uint32_t opposite, std::uint32_t before,
                    std::uint32_t next) {
-    const std::uint32_t after = gates_[before].before;
-    const std::uint32_t third = gates_[before].from;
+    const std::uint32_t side = kIsLeft ? before : next;
+    const std::uint32_t after = kIsLeft ? gates_[side].before : gates_[side].next;
+    const std::uint32_t third = kIsLeft ? gates_[side].from : gates_[after].from;
+    const std::uint32_t near = kIsLeft ? a : b;
+    const std::uint32_t far = kIsLeft ? b : a;
     emit(a, b, third);
-    attach_sides({a, b, opposite}, {gates_[before].opposite, b, a}, third, b);
-    gates_[before].opposite = kDone;
-    const std::uint32_t right = open(third, a, after, next, GateOrigin::kSecondToThird);
-    gates_[after].next = right;
-    gates_[next].before = right;
-    if (before == next) link(right, right);
+    attach_corner({a, b, opposite}, {gates_[side].opposite, far, near}, third, far);
+    gates_[side].opposite = kDone;
+    const std::uint32_t gate_before = kIsLeft ? after : before;
+    const std::uint32_t gate_after = kIsLeft ? next : after;
+    const std::uint32_t gate = open(kIsLeft ? third : a, near, gate_before, gate_after,
+                                    kIsLeft ? GateOrigin::kSecondToThird : GateOrigin::kThirdToFirst);
+    gates_[gate_before].next = gate;
+    gates_[gate_after].before = gate;
+    // A loop of two gates is replaced by one of one.
+    if (before == next) link(gate, gate);
   }
 
   void attach_last(std::uint32_t a, std::uint32_t b, std::uint32_t opposite, std::uint32_t before,
@@ -362,8 +358,8 @@ class Traversal {
   // A triangle closes the corner between two gates: its third vertex continues the parallelograms behind
   // both, and gets the far end as a neighbour. Nearly always that vertex is the latest of all and has only
   // what came with it, or all relations already.
-  void attach_sides(const Relation& behind_gate, const Relation& behind_other, std::uint32_t third,
-                    std::uint32_t end) {
+  void attach_corner(const Relation& behind_gate, const Relation& behind_other, std::uint32_t third,
+                     std::uint32_t end) {
     const std::uint32_t latest =
         std::max({behind_gate.first, behind_gate.second, behind_gate.opposite, behind_other.first});
     const Kind kind = kinds_[third];
