@@ -375,7 +375,8 @@ class Traversal:
             self.relate(b, third, gates[after].opposite, a)
             gates[after].state = DONE
         if symbol in (LEFT, LAST):
-            self.relate(third, a, gates[before].opposite, b)
+            ends = (a, third) if symbol == LEFT else (third, a)
+            self.relate(*ends, gates[before].opposite, b)
             gates[before].state = DONE
         if symbol == RIGHT:
             self.connect(a, third)

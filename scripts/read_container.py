@@ -34,49 +34,82 @@ class BadContainer(Exception):
 
 # ---------------------------------------------------------------------------------------------- file and node table
 
+def is_container(group):
+    return group.attrs.get("format") in (b"colossus", "colossus")
+
+
+def find_container(path, file):
+    """The root, or else the one group directly below it that is a container."""
+    if is_container(file):
+        return file
+    links = [name for name in file if file.get(name, getlink=True, getclass=True) is h5py.HardLink]
+    found = [name for name in links if isinstance(file[name], h5py.Group) and is_container(file[name])]
+    if len(found) == 1:
+        return file[found[0]]
+    if found:
+        raise BadContainer(f"{path}: expected one container, found the groups {', '.join(found)}")
+    if "nodes" in links and "chunks" in links:
+        raise BadContainer(f"{path}: has the objects of a Colossus container, but not the attributes of its root "
+                           "group; copy the whole of it, with h5copy -s / -d /statue")
+    raise BadContainer(f"{path}: is an HDF5 file, but no Colossus container")
+
+
 class Container:
     def __init__(self, path):
         try:
             self.file = h5py.File(path, "r")
         except OSError as error:
             raise BadContainer(f"{path}: cannot open as an HDF5 file: {error}")
-        root = self.file.attrs
-        if root.get("format") not in (b"colossus", "colossus"):
-            raise BadContainer(f"{path}: is an HDF5 file, but no Colossus container")
+        self.group = find_container(path, self.file)
+        root = self.group.attrs
         self.version = tuple(int(v) for v in root["schema_version"])
         if self.version[0] != SCHEMA_MAJOR:
             raise BadContainer(f"{path}: schema version {self.version}: this program reads {SCHEMA_MAJOR}.x")
-        scheme = root["scheme"]
-        self.scheme = scheme.decode() if isinstance(scheme, bytes) else str(scheme)
+        self.scheme = text(root["scheme"])
         if self.scheme not in DECODERS:
             raise BadContainer(f"{path}: scheme {self.scheme}: this program reads {' and '.join(DECODERS)}")
+        self.producer = " ".join(text(root[name]) for name in ("producer", "producer_version") if name in root)
         self.attributes = int(root["attributes"])
-        lattice = self.file["lattice"].attrs
+        lattice = self.group["lattice"].attrs
         self.origin = numpy.array(lattice["origin"], dtype="<f8")
         self.step = float(lattice["step"])
         self.root_bits = int(lattice["root_bits"])
-        self.parameters = {}
-        if "parameters" in self.file:
-            self.parameters = {r["name"].decode(): float(r["value"]) for r in self.file["parameters"][:]}
-        self.nodes = self.file["nodes"][:]
+        self.parameters, self.measures = self.reals("parameters"), self.reals("measures")
+        self.nodes = self.group["nodes"][:]
         self.raw = open(path, "rb")
 
+    def reals(self, table):
+        if table not in self.group:
+            return {}
+        return {row["name"].decode(): float(row["value"]) for row in self.group[table][:]}
+
     def payload(self, index):
-        """The decoded chunk of a node: a plain byte range of the file, one zstd frame, cut to the payload's size."""
+        """The decoded chunk of a node: a plain byte range of the file, one zstd frame, cut to the payload's size.
+        Where another program has copied the file, the chunk number chunk_index of the dataset of the node's class."""
         node = self.nodes[index]
         self.raw.seek(int(node["offset"]))
         frame = self.raw.read(int(node["stored_bytes"]))
-        # The same bytes through HDF5: the chunk number chunk_index of the dataset of the node's class.
-        dataset = self.file[f"chunks/class_{node['chunk_class']}"]
+        name, size = f"chunks/class_{node['chunk_class']}", int(node["payload_bytes"])
+        if name not in self.group:
+            raise BadContainer(f"node {index}: expected a dataset {name}, found none")
+        dataset = self.group[name]
         capacity = dataset.chunks[0]
-        mask, chunk = dataset.id.read_direct_chunk((int(node["chunk_index"]) * capacity,))
-        if mask != 0 or chunk != frame:
-            raise BadContainer(f"node {index}: the byte range and HDF5's chunk differ")
+        start = int(node["chunk_index"]) * capacity
+        mask, chunk = dataset.id.read_direct_chunk((start,))
+        if chunk != frame:  # the offset does not hold
+            frame = chunk
+        if mask != 0:
+            raise BadContainer(f"node {index}: expected filter mask 0, found {mask}")
+        if len(frame) != node["stored_bytes"]:  # encoded anew: HDF5 decodes it, if it has the filter
+            return dataset[start:start + size].tobytes()
         content = zstandard.ZstdDecompressor().decompress(frame)
-        size = int(node["payload_bytes"])
         if len(content) != capacity or any(content[size:]):
             raise BadContainer(f"node {index}: expected {capacity} bytes, zeros behind {size}; found {len(content)}")
         return content[:size]
+
+
+def text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
 
 
 # --------------------------------------------------------------------------------------------- hierarchy arithmetic
@@ -351,8 +384,12 @@ def list_levels(container):
     nodes = container.nodes
     print(f"schema {container.version[0]}.{container.version[1]}, scheme {container.scheme}, {len(nodes)} nodes, "
           f"origin {container.origin}, step {container.step}, root side 2^{container.root_bits}")
+    if container.producer:
+        print(f"made by {container.producer}")
     for name, value in container.parameters.items():
         print(f"parameter {name} = {value:g}")
+    for name, value in container.measures.items():
+        print(f"measure {name} = {value:g}")
     print(f"{'level':>5} {'nodes':>8} {'leaves':>8} {'triangles':>12} {'vertices':>12} {'bytes':>14} {'error':>12}")
     for level in numpy.unique(nodes["level"]):
         of = nodes[nodes["level"] == level]

@@ -10,9 +10,6 @@
 namespace colossus::container {
 namespace {
 
-// A zstd block of the frame decodes to at most 128 KiB and takes at least 4 bytes (an RLE block: header and
-// value).
-constexpr std::uint64_t kMaxExpansion = (std::uint64_t{128} << 10) / 4;
 constexpr std::size_t kMostHeaderBytes = 32;
 
 using CompressionContext = std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)>;

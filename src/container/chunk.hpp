@@ -20,6 +20,9 @@ namespace colossus::container {
 // Class k holds 1024 * (4 + k % 4) * 2^(k / 4) bytes: 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 KiB ... 1 GiB.
 inline constexpr std::uint32_t kCapacityClassCount = 73;
 inline constexpr std::uint64_t kMaxPayloadBytes = std::uint64_t{1} << 30;
+// A zstd block of a frame decodes to at most 128 KiB and takes at least 4 bytes (an RLE block: header and
+// value).
+inline constexpr std::uint64_t kMaxExpansion = (std::uint64_t{128} << 10) / 4;
 
 // The bytes that a chunk of the class decodes to. capacity_class < kCapacityClassCount.
 constexpr std::uint64_t class_capacity(std::uint32_t capacity_class) {

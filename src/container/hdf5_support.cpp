@@ -29,7 +29,9 @@ std::size_t filter_zstd(unsigned flags, std::size_t, const unsigned*, std::size_
                         std::size_t* buffer_bytes, void** buffer) {
   if ((flags & H5Z_FLAG_REVERSE) == 0) return 0;
   const unsigned long long size = ZSTD_getFrameContentSize(*buffer, stored_bytes);
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size == 0) return 0;
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size == 0 ||
+      size > kMaxFilteredBytes)
+    return 0;
   void* decoded = std::malloc(size);
   if (decoded == nullptr) return 0;
   if (ZSTD_decompress(decoded, size, *buffer, stored_bytes) != size) {

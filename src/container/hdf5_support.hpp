@@ -59,6 +59,10 @@ class QuietErrors {
 struct Blame {
   std::string file;
   core::Status status = core::Status::kIo;
+  std::string group = {};  // that the container lies in: empty for the file's root, else "/name"
+
+  // "FILE: /nodes" for the container's object "/nodes", wherever the container lies in the file.
+  std::string place(const std::string& object) const { return file + ": " + group + object; }
 
   // Throws Error: file, what, and the innermost text of HDF5's error stack.
   [[noreturn]] void fail(const std::string& what) const;
@@ -72,7 +76,8 @@ struct Blame {
 
 // Makes HDF5 know the zstd filter in this program. The name that a file stores for a filter is the one known
 // when the file is written, so it must be ours, not that of a plugin that happens to be installed. Decodes
-// only.
+// only, and at most kMaxFilteredBytes.
+inline constexpr std::size_t kMaxFilteredBytes = std::size_t{1} << 30;
 void register_zstd_filter(const Blame& blame);
 
 }  // namespace colossus::container::hdf5

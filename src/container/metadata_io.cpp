@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
+#include <utility>
 
+#include "container/descriptions.hpp"
 #include "container/table.hpp"
 
 namespace colossus::container {
@@ -31,10 +34,20 @@ std::uint32_t widest(const std::vector<Entry>& entries, std::string Entry::*memb
   return static_cast<std::uint32_t>(bytes);
 }
 
-void write_text_attribute(const Blame& blame, hid_t object, const std::string& name,
-                          const std::string& text) {
-  write_attribute(blame, object, name, FieldType::kText, static_cast<std::uint32_t>(text.size()),
-                  text.data());
+// The names of a table's rows, for their descriptions.
+template <typename Entry>
+std::vector<std::string> names_of(const std::vector<Entry>& entries) {
+  std::vector<std::string> names;
+  for (const Entry& entry : entries) names.push_back(entry.name);
+  return names;
+}
+
+// A table of names and values.
+void write_named(const Blame& blame, hid_t file, const std::string& name, const std::vector<Field>& fields,
+                 const std::vector<std::string>& row_names, std::span<const std::byte> rows) {
+  const Handle table = create_table(blame, file, name, fields, row_names.size());
+  write_table(blame, table, rows);
+  describe_table(blame, table.get(), name, fields, row_names);
 }
 
 void write_options(const Blame& blame, hid_t file, const std::vector<NamedText>& options) {
@@ -45,20 +58,21 @@ void write_options(const Blame& blame, hid_t file, const std::vector<NamedText>&
     put_text(rows, option.name, fields[0].count);
     put_text(rows, option.value, fields[1].count);
   }
-  write_table(blame, create_table(blame, file, "options", fields, options.size()), rows.bytes());
+  write_named(blame, file, "options", fields, names_of(options), rows.bytes());
 }
 
-// Absent in containers of schemes without parameters, as in those of schema 1.0.
-void write_parameters(const Blame& blame, hid_t file, const std::vector<NamedReal>& parameters) {
-  if (parameters.empty()) return;
-  const std::vector<Field> fields = {{"name", FieldType::kText, widest(parameters, &NamedReal::name)},
+// No table where there are none: containers of schema 1.0 have no parameters, those of 1.1 no measures.
+void write_reals(const Blame& blame, hid_t file, const std::string& name,
+                 const std::vector<NamedReal>& reals) {
+  if (reals.empty()) return;
+  const std::vector<Field> fields = {{"name", FieldType::kText, widest(reals, &NamedReal::name)},
                                      {"value", FieldType::kF64}};
   core::ByteWriter rows;
-  for (const NamedReal& parameter : parameters) {
-    put_text(rows, parameter.name, fields[0].count);
-    rows.put(parameter.value);
+  for (const NamedReal& real : reals) {
+    put_text(rows, real.name, fields[0].count);
+    rows.put(real.value);
   }
-  write_table(blame, create_table(blame, file, "parameters", fields, parameters.size()), rows.bytes());
+  write_named(blame, file, name, fields, names_of(reals), rows.bytes());
 }
 
 void write_inputs(const Blame& blame, hid_t file, const std::vector<InputInfo>& inputs) {
@@ -71,7 +85,9 @@ void write_inputs(const Blame& blame, hid_t file, const std::vector<InputInfo>& 
     rows.put(input.bytes);
     put_text(rows, input.hash, fields[2].count);
   }
-  write_table(blame, create_table(blame, file, "inputs", fields, inputs.size()), rows.bytes());
+  const Handle table = create_table(blame, file, "inputs", fields, inputs.size());
+  write_table(blame, table, rows.bytes());
+  describe_table(blame, table.get(), "inputs", fields);
 }
 
 void write_counts(const Blame& blame, hid_t file, const std::vector<NamedCount>& counts) {
@@ -82,7 +98,7 @@ void write_counts(const Blame& blame, hid_t file, const std::vector<NamedCount>&
     put_text(rows, count.name, fields[0].count);
     rows.put(count.value);
   }
-  write_table(blame, create_table(blame, file, "counts", fields, counts.size()), rows.bytes());
+  write_named(blame, file, "counts", fields, names_of(counts), rows.bytes());
 }
 
 std::size_t column_length(const LevelColumn& column) {
@@ -104,7 +120,9 @@ void write_levels(const Blame& blame, hid_t file, const std::vector<LevelColumn>
   for (std::size_t level = 0; level < level_count; ++level)
     for (const LevelColumn& column : levels)
       std::visit([&](const auto& values) { rows.put(values[level]); }, column.values);
-  write_table(blame, create_table(blame, file, "levels", fields, level_count), rows.bytes());
+  const Handle table = create_table(blame, file, "levels", fields, level_count);
+  write_table(blame, table, rows.bytes());
+  describe_table(blame, table.get(), "levels", fields);
 }
 
 void write_lattice(const Blame& blame, hid_t file, const Metadata& metadata) {
@@ -119,12 +137,13 @@ void write_lattice(const Blame& blame, hid_t file, const Metadata& metadata) {
   write_attribute(blame, group.get(), "step", FieldType::kF64, 1, &metadata.lattice.step);
   write_attribute(blame, group.get(), "root_bits", FieldType::kU32, 1, &root_bits);
   write_attribute(blame, group.get(), "position_bits", FieldType::kU32, 1, &position_bits);
+  describe(blame, group.get(), "lattice");
 }
 
 void read_lattice(const Blame& blame, hid_t file, Metadata& metadata) {
   H5L_info_t link{};
   if (H5Lget_info(file, "lattice", &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
-    core::fail(blame.status, "{}: /lattice: expected a group, found none", blame.file);
+    core::fail(blame.status, "{}: expected a group, found none", blame.place("/lattice"));
   const Handle group =
       blame.own(H5Gopen2(file, "lattice", H5P_DEFAULT), &H5Gclose, "cannot open group /lattice");
   std::uint32_t root_bits = 0;
@@ -136,25 +155,22 @@ void read_lattice(const Blame& blame, hid_t file, Metadata& metadata) {
   read_attribute(blame, group.get(), "/lattice", "position_bits", FieldType::kU32, 1, &position_bits);
   for (const double origin : lattice.origin)
     if (!std::isfinite(origin))
-      core::fail(blame.status, "{}: /lattice: origin: expected finite numbers, found {}", blame.file, origin);
+      core::fail(blame.status, "{}: origin: expected finite numbers, found {}", blame.place("/lattice"),
+                 origin);
   if (!std::isfinite(lattice.step) || lattice.step <= 0)
-    core::fail(blame.status, "{}: /lattice: step: expected a positive number, found {}", blame.file,
+    core::fail(blame.status, "{}: step: expected a positive number, found {}", blame.place("/lattice"),
                lattice.step);
   if (root_bits < 1 || root_bits > 30)
-    core::fail(blame.status, "{}: /lattice: root_bits: expected 1 to 30, found {}", blame.file, root_bits);
+    core::fail(blame.status, "{}: root_bits: expected 1 to 30, found {}", blame.place("/lattice"), root_bits);
   if (position_bits < 8 || position_bits > 16)
-    core::fail(blame.status, "{}: /lattice: position_bits: expected 8 to 16, found {}", blame.file,
+    core::fail(blame.status, "{}: position_bits: expected 8 to 16, found {}", blame.place("/lattice"),
                position_bits);
   lattice.root_bits = static_cast<int>(root_bits);
   metadata.position_bits = static_cast<int>(position_bits);
 }
 
-// Is this file ours, and can this program read it? Asked before anything else is looked at.
+// Can this program read it? Asked before anything else is looked at.
 void read_version(const Blame& blame, hid_t file, Metadata& metadata) {
-  if (H5Aexists(file, "format") <= 0 || read_text_attribute(blame, file, "/", "format") != kFormatName)
-    core::fail(blame.status,
-               "{}: is an HDF5 file, but no Colossus container: expected the root attribute format = '{}'",
-               blame.file, kFormatName);
   std::uint32_t version[2] = {};
   read_attribute(blame, file, "/", "schema_version", FieldType::kU32, 2, version);
   if (version[0] != kSchemaMajor)
@@ -163,25 +179,33 @@ void read_version(const Blame& blame, hid_t file, Metadata& metadata) {
                version[0] > kSchemaMajor ? "read it with a newer Colossus" : "build it again");
   metadata.schema_major = version[0];
   metadata.schema_minor = version[1];
+  for (const auto& [name, value] : {std::pair("producer", &metadata.producer),
+                                    std::pair("producer_version", &metadata.producer_version)}) {
+    value->clear();
+    if (H5Aexists(file, name) > 0) *value = read_text_attribute(blame, file, "/", name);
+  }
   metadata.scheme = read_text_attribute(blame, file, "/", "scheme");
   if (metadata.scheme != kSchemeDiamonds && metadata.scheme != kSchemeBlocks)
     core::fail(blame.status, "{}: scheme: expected '{}' or '{}', found '{}'", blame.file, kSchemeDiamonds,
                kSchemeBlocks, metadata.scheme);
 }
 
-void read_parameters(const Blame& blame, hid_t file, const core::File& bytes, Metadata& metadata) {
-  if (H5Lexists(file, "parameters", H5P_DEFAULT) <= 0) return;
-  const Table table = read_table(blame, file, bytes, "parameters");
+std::vector<NamedReal> read_reals(const Blame& blame, hid_t file, const core::File& bytes,
+                                  const std::string& table_name) {
+  std::vector<NamedReal> reals;
+  if (H5Lexists(file, table_name.c_str(), H5P_DEFAULT) <= 0) return reals;
+  const Table table = read_table(blame, file, bytes, table_name);
   const Field& name = table.field("name", FieldType::kText);
   const Field& value = table.field("value", FieldType::kF64);
   for (std::uint64_t i = 0; i < table.row_count; ++i) {
-    NamedReal parameter{table.text(i, name), 0};
-    std::memcpy(&parameter.value, table.at(i, value), sizeof(double));
-    if (!std::isfinite(parameter.value))
+    NamedReal real{table.text(i, name), 0};
+    std::memcpy(&real.value, table.at(i, value), sizeof(double));
+    if (!std::isfinite(real.value))
       core::fail(blame.status, "{}: row {}: {}: expected a finite number, found {}", table.place, i,
-                 parameter.name, parameter.value);
-    metadata.parameters.push_back(std::move(parameter));
+                 real.name, real.value);
+    reals.push_back(std::move(real));
   }
+  return reals;
 }
 
 void read_levels(const Blame& blame, hid_t file, const core::File& bytes, Metadata& metadata) {
@@ -207,6 +231,8 @@ void read_levels(const Blame& blame, hid_t file, const core::File& bytes, Metada
 
 }  // namespace
 
+const char* release_version() { return COLOSSUS_VERSION; }
+
 void write_metadata(const Blame& blame, hid_t file, const Metadata& metadata) {
   const std::uint32_t version[2] = {kSchemaMajor, kSchemaMinor};
   const auto attributes = static_cast<std::uint8_t>((metadata.has_normals ? kHasNormals : 0) |
@@ -215,9 +241,11 @@ void write_metadata(const Blame& blame, hid_t file, const Metadata& metadata) {
   write_attribute(blame, file, "schema_version", FieldType::kU32, 2, version);
   write_text_attribute(blame, file, "scheme", metadata.scheme);
   write_attribute(blame, file, "attributes", FieldType::kU8, 1, &attributes);
+  describe_file(blame, file);
   write_lattice(blame, file, metadata);
   write_options(blame, file, metadata.options);
-  write_parameters(blame, file, metadata.parameters);
+  write_reals(blame, file, "parameters", metadata.parameters);
+  write_reals(blame, file, "measures", metadata.measures);
   write_inputs(blame, file, metadata.inputs);
   write_counts(blame, file, metadata.counts);
   write_levels(blame, file, metadata.levels);
@@ -238,7 +266,8 @@ Metadata read_metadata(const Blame& blame, hid_t file, const core::File& bytes) 
   for (std::uint64_t i = 0; i < options.row_count; ++i)
     metadata.options.push_back({options.text(i, option_name), options.text(i, option_value)});
 
-  read_parameters(blame, file, bytes, metadata);
+  metadata.parameters = read_reals(blame, file, bytes, "parameters");
+  metadata.measures = read_reals(blame, file, bytes, "measures");
 
   const Table inputs = read_table(blame, file, bytes, "inputs");
   const Field& input_name = inputs.field("name", FieldType::kText);

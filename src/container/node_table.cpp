@@ -74,34 +74,14 @@ void check_values(const Table& table, std::size_t i, const NodeRow& row) {
   }
 }
 
-void check_chunk(const Table& table, std::size_t i, const NodeRow& row, std::uint64_t file_bytes) {
+void check_chunk(const Table& table, std::size_t i, const NodeRow& row) {
   if (row.payload_bytes > kMaxPayloadBytes)
     fail_row(table, i, fmt::format("a payload of at most {} bytes", kMaxPayloadBytes), row.payload_bytes);
   if (row.capacity_class != class_for(row.payload_bytes))
     fail_row(table, i,
              fmt::format("chunk class {} for {} bytes", class_for(row.payload_bytes), row.payload_bytes),
              row.capacity_class);
-  if (row.stored_bytes == 0 || row.offset > file_bytes || row.stored_bytes > file_bytes - row.offset)
-    fail_row(table, i, fmt::format("a chunk within the file's {} bytes", file_bytes),
-             fmt::format("{} bytes at {}", row.stored_bytes, row.offset));
-}
-
-void check_no_overlap(const Table& table, const std::vector<NodeRow>& rows) {
-  std::vector<std::size_t> order(rows.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto by_offset = [&](std::size_t a, std::size_t b) { return rows[a].offset < rows[b].offset; };
-  // Our own writer stores chunks in row order; then there is nothing to sort.
-  if (!std::is_sorted(order.begin(), order.end(), by_offset))
-    std::sort(order.begin(), order.end(), by_offset);
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    const NodeRow& before = rows[order[i - 1]];
-    const NodeRow& row = rows[order[i]];
-    if (row.offset < before.offset + before.stored_bytes)
-      fail_row(table, order[i],
-               fmt::format("a chunk behind that of row {}, which ends at {}", order[i - 1],
-                           before.offset + before.stored_bytes),
-               row.offset);
-  }
+  if (row.stored_bytes == 0) fail_row(table, i, "a chunk of at least one byte", row.stored_bytes);
 }
 
 }  // namespace
@@ -122,13 +102,13 @@ core::Bytes encode_rows(const std::vector<NodeRow>& rows) {
   return writer.take();
 }
 
-std::array<std::uint64_t, kCapacityClassCount> chunk_counts(const std::vector<NodeRow>& rows) {
+std::array<std::uint64_t, kCapacityClassCount> chunk_counts(std::span<const NodeRow> rows) {
   std::array<std::uint64_t, kCapacityClassCount> counts{};
   for (const NodeRow& row : rows) ++counts.at(row.capacity_class);
   return counts;
 }
 
-std::vector<NodeRow> decode_rows(const Table& table, const Metadata& metadata, std::uint64_t file_bytes) {
+std::vector<NodeRow> decode_rows(const Table& table, const Metadata& metadata) {
   std::vector<const Field*> fields;
   for (const Field& field : node_fields())
     fields.push_back(&table.field(field.name, field.type, field.count));
@@ -145,7 +125,7 @@ std::vector<NodeRow> decode_rows(const Table& table, const Metadata& metadata, s
     else
       check_diamond(table, i, row, metadata.lattice);
     check_values(table, i, row);
-    check_chunk(table, i, row, file_bytes);
+    check_chunk(table, i, row);
     if (row.chunk_index != next_chunk[row.capacity_class]++)
       fail_row(table, i, fmt::format("chunk {} of its class", next_chunk[row.capacity_class] - 1),
                row.chunk_index);
@@ -154,8 +134,34 @@ std::vector<NodeRow> decode_rows(const Table& table, const Metadata& metadata, s
                fmt::format("level {} centre ({}, {}, {})", row.level, row.center[0], row.center[1],
                            row.center[2]));
   }
-  check_no_overlap(table, rows);
   return rows;
+}
+
+std::vector<FramePlace> stated_places(std::span<const NodeRow> rows) {
+  std::vector<FramePlace> places;
+  places.reserve(rows.size());
+  for (const NodeRow& row : rows) places.push_back({row.offset, row.stored_bytes});
+  return places;
+}
+
+std::optional<std::string> place_defect(const std::vector<FramePlace>& places, std::uint64_t file_bytes) {
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (const auto [offset, bytes] = places[i]; offset > file_bytes || bytes > file_bytes - offset)
+      return fmt::format("row {}: expected a chunk within the file's {} bytes, found {} bytes at {}", i,
+                         file_bytes, bytes, offset);
+  std::vector<std::size_t> order(places.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto by_offset = [&](std::size_t a, std::size_t b) { return places[a].offset < places[b].offset; };
+  // Our own writer stores chunks in row order; then there is nothing to sort.
+  if (!std::is_sorted(order.begin(), order.end(), by_offset))
+    std::sort(order.begin(), order.end(), by_offset);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const FramePlace& before = places[order[i - 1]];
+    if (places[order[i]].offset < before.offset + before.bytes)
+      return fmt::format("row {}: expected a chunk behind that of row {}, which ends at {}, found {}",
+                         order[i], order[i - 1], before.offset + before.bytes, places[order[i]].offset);
+  }
+  return std::nullopt;
 }
 
 }  // namespace colossus::container

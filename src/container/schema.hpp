@@ -12,9 +12,10 @@ namespace colossus::container {
 
 // A reader refuses a larger major version. A larger minor version only adds fields, attributes and datasets.
 inline constexpr std::uint32_t kSchemaMajor = 1;
-inline constexpr std::uint32_t kSchemaMinor = 1;
+inline constexpr std::uint32_t kSchemaMinor = 2;
 
 inline constexpr const char* kFormatName = "colossus";
+inline constexpr const char* kProducerName = "colossus";
 inline constexpr const char* kSchemeDiamonds = "diamonds";
 inline constexpr const char* kSchemeBlocks = "blocks";
 
@@ -31,14 +32,16 @@ struct NodeRow {
   std::uint8_t flags = 0;      // kNodeIsLeaf, kNodeIsAboveLimit
   std::uint32_t vertices = 0;  // sum over the diamond's tetrahedra, or of the cube
   std::uint32_t triangles = 0;
-  double error = 0;                  // world units; never smaller than a child's
+  double error = 0;                  // world units; of distances both ways; never smaller than a child's
   std::array<double, 6> bounds{};    // world: min x, y, z, max x, y, z
   std::uint32_t capacity_class = 0;  // the chunk lies in the dataset /chunks/class_<capacity_class>
   std::uint32_t chunk_index = 0;     // ... where it is the chunk of this number; the writer sets it
-  std::uint64_t offset = 0;          // of the frame in the file, in bytes; the writer sets it
-  std::uint64_t stored_bytes = 0;    // size of the frame
-  std::uint64_t payload_bytes = 0;   // size of what unpack_chunk() returns
-  std::uint64_t checksum = 0;        // XXH3-64 of the frame
+  // Of the frame in the file, in bytes; the writer sets it. Copies may have it elsewhere:
+  // ContainerReader::frame_offset().
+  std::uint64_t offset = 0;
+  std::uint64_t stored_bytes = 0;   // size of the frame
+  std::uint64_t payload_bytes = 0;  // size of what unpack_chunk() returns
+  std::uint64_t checksum = 0;       // XXH3-64 of the frame
   friend bool operator==(const NodeRow&, const NodeRow&) = default;
 };
 
@@ -82,11 +85,17 @@ struct LevelColumn {
   friend bool operator==(const LevelColumn&, const LevelColumn&) = default;
 };
 
+// The release of this program, such as "0.1.0".
+const char* release_version();
+
 // Nothing in here may depend on how the container was built (ranks, hosts, times): equal inputs and options
 // give equal bytes. Strings hold no zero bytes; columns have equal lengths.
 struct Metadata {
   std::uint32_t schema_major = kSchemaMajor;  // the writer writes its own version, whatever stands here
   std::uint32_t schema_minor = kSchemaMinor;
+  // Likewise; empty in containers from before schema 1.2, which did not say it.
+  std::string producer = kProducerName;
+  std::string producer_version = release_version();
   std::string scheme = kSchemeDiamonds;
   LatticeInfo lattice;
   int position_bits = 12;  // 8 .. 16; of the weights of diamonds, of a side of the deepest cubes of blocks
@@ -94,6 +103,7 @@ struct Metadata {
   bool has_colors = false;
   std::vector<NamedText> options;     // those that shape the bytes, in a fixed order
   std::vector<NamedReal> parameters;  // of the scheme, such as sigma0 of blocks; in a fixed order
+  std::vector<NamedReal> measures;    // of the input and of the finest level, such as areas; in a fixed order
   std::vector<InputInfo> inputs;      // in the order of reading
   std::vector<NamedCount>
       counts;  // of the input: vertices, triangles, degenerate, duplicate, border edges ...

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "container/descriptions.hpp"
 #include "core/hash.hpp"
 
 namespace colossus::container {
@@ -14,6 +15,9 @@ using hdf5::Handle;
 
 constexpr char kChecksumName[] = "xxh3";
 constexpr std::uint32_t kMaxTextBytes = 1 << 16;
+// What a table that is not contiguous may take in memory: of its file's size, or this.
+constexpr std::uint64_t kMostExpansion = 16;
+constexpr std::uint64_t kMostFilteredBytes = std::uint64_t{64} << 20;
 
 hid_t scalar_type(FieldType type) {
   switch (type) {
@@ -125,18 +129,59 @@ void read_fields(const Blame& blame, hid_t type, Table& table) {
   }
 }
 
-// Only a hard link to a contiguous dataset without external files has its bytes where we look for them.
-Handle open_contiguous(const Blame& blame, hid_t file, const Table& table, const std::string& name) {
+// Only a hard link: others may lead to other files.
+Handle open_dataset(const Blame& blame, hid_t group, const Table& table, const std::string& name) {
   H5L_info_t link{};
-  if (H5Lget_info(file, name.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
+  if (H5Lget_info(group, name.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
     core::fail(blame.status, "{}: expected a dataset, found none", table.place);
-  Handle dataset =
-      blame.own(H5Dopen2(file, name.c_str(), H5P_DEFAULT), &H5Dclose, "cannot open dataset /" + name);
+  return blame.own(H5Dopen2(group, name.c_str(), H5P_DEFAULT), &H5Dclose, "cannot open dataset /" + name);
+}
+
+// As our writer lays them out: the bytes are where they are. Nothing is allocated before it is known that
+// they are there.
+void read_contiguous(const Blame& blame, hid_t dataset, const core::File& bytes, Table& table) {
+  const haddr_t offset = H5Dget_offset(dataset);
+  const std::uint64_t size = bytes.size();
+  if (offset == HADDR_UNDEF || offset > size || table.row_count > (size - offset) / table.row_bytes)
+    core::fail(blame.status,
+               "{}: expected {} rows of {} bytes within the file's {} bytes, found them beyond its end",
+               table.place, table.row_count, table.row_bytes, size);
+  table.rows.resize(table.row_count * table.row_bytes);
+  bytes.read_at(offset, table.rows);
+  table.offset = offset;
+}
+
+// As other programs lay them out that copy a container: chunked, with or without filters, or compact. A
+// compressed table may claim to be any size, but a container has a frame, and thus bytes, for each of its
+// rows.
+void read_filtered(const Blame& blame, hid_t dataset, const core::File& bytes, const Handle& properties,
+                   Table& table) {
+  const std::uint64_t most = std::max(kMostFilteredBytes, kMostExpansion * bytes.size()) / table.row_bytes;
+  hsize_t chunk = 0;
+  if (H5Pget_layout(properties.get()) == H5D_CHUNKED && H5Pget_chunk(properties.get(), 1, &chunk) != 1)
+    blame.fail("cannot read the chunks' size of " + table.place);
+  if (table.row_count > most || chunk > most)
+    core::fail(blame.status, "{}: expected at most {} rows in a file of {} bytes, found {} in chunks of {}",
+               table.place, most, bytes.size(), table.row_count, chunk);
+  table.rows.resize(table.row_count * table.row_bytes);
+  const Handle type = blame.own(H5Dget_type(dataset), &H5Tclose, "cannot read the type of " + table.place);
+  blame.check(H5Dread(dataset, type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, table.rows.data()),
+              "cannot read " + table.place);
+}
+
+void read_rows(const Blame& blame, hid_t dataset, const core::File& bytes, Table& table) {
   const Handle properties =
-      blame.own(H5Dget_create_plist(dataset.get()), &H5Pclose, "cannot read the layout of /" + name);
-  if (H5Pget_layout(properties.get()) != H5D_CONTIGUOUS || H5Pget_external_count(properties.get()) != 0)
-    core::fail(blame.status, "{}: expected a contiguous layout, found another", table.place);
-  return dataset;
+      blame.own(H5Dget_create_plist(dataset), &H5Pclose, "cannot read the layout of " + table.place);
+  const H5D_layout_t layout = H5Pget_layout(properties.get());
+  const bool is_known = layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED || layout == H5D_COMPACT;
+  if (!is_known || H5Pget_external_count(properties.get()) != 0)
+    core::fail(blame.status, "{}: expected rows within this file, found a virtual or external dataset",
+               table.place);
+  if (table.row_count == 0) return;
+  if (layout == H5D_CONTIGUOUS)
+    read_contiguous(blame, dataset, bytes, table);
+  else
+    read_filtered(blame, dataset, bytes, properties, table);
 }
 
 }  // namespace
@@ -179,6 +224,7 @@ Handle create_table(const Blame& blame, hid_t file, const std::string& name, std
   blame.check(H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY), what);
   blame.check(H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER), what);
   blame.check(H5Pset_obj_track_times(properties.get(), false), what);
+  keep_attributes_in_header(blame, properties.get());
   Handle dataset = blame.own(
       H5Dcreate2(file, name.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
       &H5Dclose, what);
@@ -223,10 +269,10 @@ std::uint64_t Table::u64(std::uint64_t row, const Field& field) const {
   return value;
 }
 
-Table read_table(const Blame& blame, hid_t file, const core::File& bytes, const std::string& name) {
+Table read_table(const Blame& blame, hid_t group, const core::File& bytes, const std::string& name) {
   Table table;
-  table.place = fmt::format("{}: /{}", blame.file, name);
-  const Handle dataset = open_contiguous(blame, file, table, name);
+  table.place = blame.place("/" + name);
+  const Handle dataset = open_dataset(blame, group, table, name);
   const Handle type = blame.own(H5Dget_type(dataset.get()), &H5Tclose, "cannot read the type of /" + name);
   read_fields(blame, type.get(), table);
   const Handle space =
@@ -236,16 +282,7 @@ Table read_table(const Blame& blame, hid_t file, const core::File& bytes, const 
       H5Sget_simple_extent_dims(space.get(), &extent, nullptr) != 1)
     core::fail(blame.status, "{}: expected one dimension", table.place);
   table.row_count = extent;
-  if (extent > 0) {
-    const haddr_t offset = H5Dget_offset(dataset.get());
-    const std::uint64_t size = bytes.size();
-    if (offset == HADDR_UNDEF || offset > size || extent > (size - offset) / table.row_bytes)
-      core::fail(blame.status,
-                 "{}: expected {} rows of {} bytes within the file's {} bytes, found them beyond its end",
-                 table.place, extent, table.row_bytes, size);
-    table.rows.resize(extent * table.row_bytes);
-    bytes.read_at(offset, table.rows);
-  }
+  read_rows(blame, dataset.get(), bytes, table);
   std::uint64_t checksum = 0;
   read_attribute(blame, dataset.get(), "/" + name, kChecksumName, FieldType::kU64, 1, &checksum);
   if (const std::uint64_t found = core::hash64(table.rows); found != checksum)
@@ -270,7 +307,7 @@ void write_attribute(const Blame& blame, hid_t object, const std::string& name, 
 
 void read_attribute(const Blame& blame, hid_t object, const std::string& place, const std::string& name,
                     FieldType type, std::uint32_t count, void* values) {
-  const std::string where = fmt::format("{}: {}: attribute {}", blame.file, place, name);
+  const std::string where = fmt::format("{}: attribute {}", blame.place(place), name);
   if (H5Aexists(object, name.c_str()) <= 0)
     core::fail(blame.status, "{}: expected {}, found none", where, describe(type, count));
   const Handle attribute =
@@ -284,7 +321,7 @@ void read_attribute(const Blame& blame, hid_t object, const std::string& place, 
 
 std::string read_text_attribute(const Blame& blame, hid_t object, const std::string& place,
                                 const std::string& name) {
-  const std::string where = fmt::format("{}: {}: attribute {}", blame.file, place, name);
+  const std::string where = fmt::format("{}: attribute {}", blame.place(place), name);
   if (H5Aexists(object, name.c_str()) <= 0)
     core::fail(blame.status, "{}: expected a text, found none", where);
   const Handle attribute =

@@ -1,6 +1,8 @@
 // Private to this folder: tables of fixed-size rows, each a contiguous one-dimensional dataset of a packed
 // little-endian compound type, with the XXH3-64 of its bytes in the attribute "xxh3". Their bytes are read
-// with plain reads, so HDF5 converts nothing and a foreign type can do no harm.
+// with plain reads, so HDF5 converts nothing and a foreign type can do no harm; where another program has
+// copied a table into another layout, HDF5 reads them in the file's own type, so that it converts nothing
+// either.
 #pragma once
 
 #include <cstddef>
@@ -42,6 +44,7 @@ struct Table {
   std::vector<Field> fields;
   std::size_t row_bytes = 0;
   std::uint64_t row_count = 0;
+  std::uint64_t offset = 0;  // of the rows in the file; 0 where they do not lie in it as they are
   core::Bytes rows;
 
   // The field of that name; throws Error(kBadData) when it is missing or of another type. A text may have any
@@ -54,9 +57,10 @@ struct Table {
   std::uint64_t u64(std::uint64_t row, const Field& field) const;
 };
 
-// Reads the dataset `name`. Throws Error(kBadData) unless it is a table whose bytes lie within the file and
-// match their checksum. Allocates no more than the file's size.
-Table read_table(const hdf5::Blame& blame, hid_t file, const core::File& bytes, const std::string& name);
+// Reads the dataset `name` of the container's group. Throws Error(kBadData) unless it is a table whose bytes
+// match their checksum. Allocates no more than the file's size; for a table that is not contiguous (which
+// only other programs write) sixteen times that, or 64 MiB, and what its filters decode to.
+Table read_table(const hdf5::Blame& blame, hid_t group, const core::File& bytes, const std::string& name);
 
 // Attributes of the three kinds in use. `place` names the object in messages; reading throws Error(kBadData)
 // when the attribute is missing or of another type or size.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "container/chunk.hpp"
+#include "container/descriptions.hpp"
 #include "container/file_driver.hpp"
 #include "container/hdf5_support.hpp"
 #include "container/metadata_io.hpp"
@@ -27,6 +28,9 @@ using core::Status;
 using hdf5::Blame;
 using hdf5::Handle;
 
+// All links of the root group stay in its header: simpler to read than a heap and a B-tree.
+constexpr unsigned kMostTables = 64;
+
 // File properties that keep the bytes a function of the calls: one file format and no object times.
 Handle create_file(const Blame& blame, hdf5::Device& device, Handle& driver) {
   const std::string what = "cannot create the HDF5 file";
@@ -36,6 +40,8 @@ Handle create_file(const Blame& blame, hdf5::Device& device, Handle& driver) {
   driver = use_device(blame, access.get(), device);
   const Handle creation = blame.own(H5Pcreate(H5P_FILE_CREATE), &H5Pclose, what);
   blame.check(H5Pset_obj_track_times(creation.get(), false), what);
+  keep_attributes_in_header(blame, creation.get());
+  blame.check(H5Pset_link_phase_change(creation.get(), kMostTables, kMostTables - 1), what);
   return blame.own(H5Fcreate(blame.file.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose,
                    what);
 }
@@ -46,7 +52,10 @@ Handle create_chunk_group(const Blame& blame, hid_t file) {
   blame.check(H5Pset_obj_track_times(properties.get(), false), what);
   // All links in the group's header: simpler to read than a heap and a B-tree, and there are few.
   blame.check(H5Pset_link_phase_change(properties.get(), kCapacityClassCount, kCapacityClassCount - 1), what);
-  return blame.own(H5Gcreate2(file, "chunks", H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose, what);
+  Handle group =
+      blame.own(H5Gcreate2(file, "chunks", H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose, what);
+  describe(blame, group.get(), "chunks");
+  return group;
 }
 
 // The extent is fixed, so HDF5 indexes the chunks by a fixed array.
@@ -63,9 +72,11 @@ Handle create_chunk_class(const Blame& blame, const Handle& group, std::uint32_t
   blame.check(H5Pset_obj_track_times(properties.get(), false), what);
   const unsigned level = 3;
   blame.check(H5Pset_filter(properties.get(), hdf5::kZstdFilter, H5Z_FLAG_MANDATORY, 1, &level), what);
-  return blame.own(H5Dcreate2(group.get(), name.c_str(), H5T_STD_U8LE, space.get(), H5P_DEFAULT,
-                              properties.get(), H5P_DEFAULT),
-                   &H5Dclose, what);
+  Handle dataset = blame.own(H5Dcreate2(group.get(), name.c_str(), H5T_STD_U8LE, space.get(), H5P_DEFAULT,
+                                        properties.get(), H5P_DEFAULT),
+                             &H5Dclose, what);
+  describe_chunks(blame, dataset.get(), capacity_class);
+  return dataset;
 }
 
 void sync_folder(const std::filesystem::path& file) {
@@ -201,6 +212,7 @@ void ContainerWriter::add_nodes(const Metadata& metadata, std::vector<NodeRow> r
     row.offset = 0;
   }
   s.nodes = create_table(s.blame, s.file.get(), "nodes", node_fields(), s.rows.size());
+  describe_table(s.blame, s.nodes.get(), "nodes", node_fields());
   write_metadata(s.blame, s.file.get(), metadata);
   s.group = create_chunk_group(s.blame, s.file.get());
   for (std::uint32_t k = 0; k < kCapacityClassCount; ++k)

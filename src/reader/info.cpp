@@ -136,6 +136,28 @@ bool is_shown(std::string_view name) {
                      [&](const Share& share) { return name == share.part || name == share.whole; });
 }
 
+// Levels with more than a tenth more triangles than were aimed at, as the builder counts them.
+std::vector<std::uint32_t> levels_above_target(const container::Metadata& meta, const Summary& summary) {
+  std::vector<std::uint32_t> levels;
+  for (const LevelRow& level : summary.levels) {
+    const auto target = value_of(meta, "target_triangles", level.level);
+    const auto reached = value_of(meta, "reached_triangles", level.level);
+    if (target && reached && 10.0 * *reached > 11.0 * *target) levels.push_back(level.level);
+  }
+  return levels;
+}
+
+std::string shrink_text(const container::Metadata& meta, const Summary& summary) {
+  std::string text;
+  for (const std::uint32_t level : levels_above_target(meta, summary))
+    text += fmt::format(
+        "level {} does not shrink as it should: {:.0f} triangles are left of {:.0f}, where {:.0f} were aimed "
+        "at\n",
+        level, *value_of(meta, "reached_triangles", level),
+        value_of(meta, "initial_triangles", level).value_or(0.0), *value_of(meta, "target_triangles", level));
+  return text;
+}
+
 std::string level_table(const StatueFile& statue, const Summary& summary) {
   std::vector<std::vector<std::string>> table{
       {"level", "nodes", "leaves", "triangles", "vertices", "bytes", "bits/vertex", "error"}};
@@ -175,6 +197,8 @@ std::string info_text(const StatueFile& statue) {
                                  statue.container().file_bytes());
   text += fmt::format("schema              {}.{}, scheme {}\n", meta.schema_major, meta.schema_minor,
                       meta.scheme);
+  if (!meta.producer.empty())
+    text += fmt::format("producer            {} {}\n", meta.producer, meta.producer_version);
   text +=
       fmt::format("lattice             origin {} {} {}, step {} (in the input's units)\n",
                   meta.lattice.origin[0], meta.lattice.origin[1], meta.lattice.origin[2], meta.lattice.step);
@@ -189,6 +213,8 @@ std::string info_text(const StatueFile& statue) {
     text += fmt::format("option              {} = {}\n", option.name, option.value);
   for (const auto& parameter : meta.parameters)
     text += fmt::format("parameter           {} = {}\n", parameter.name, parameter.value);
+  for (const auto& measure : meta.measures)
+    text += fmt::format("measure             {} = {}\n", measure.name, measure.value);
   for (const auto& input : meta.inputs)
     text += fmt::format("input               {} ({} bytes, {})\n", input.name, input.bytes, input.hash);
   for (const auto& count : meta.counts)
@@ -200,7 +226,7 @@ std::string info_text(const StatueFile& statue) {
       "target, reached: share of the triangles that the level's inner nodes were made of; locked: of their "
       "vertices;\n"
       "< n deg: share of triangles with a smaller angle than that\n\n";
-  return text + level_table(statue, summary);
+  return text + level_table(statue, summary) + shrink_text(meta, summary);
 }
 
 std::string info_json(const StatueFile& statue) {
@@ -210,6 +236,7 @@ std::string info_json(const StatueFile& statue) {
   ordered_json json;
   json["file"] = {{"path", statue.container().path().string()}, {"bytes", statue.container().file_bytes()}};
   json["schema"] = {{"major", meta.schema_major}, {"minor", meta.schema_minor}};
+  json["producer"] = {{"name", meta.producer}, {"version", meta.producer_version}};
   json["scheme"] = meta.scheme;
   json["lattice"] = {
       {"origin", meta.lattice.origin}, {"step", meta.lattice.step}, {"root_bits", meta.lattice.root_bits}};
@@ -221,6 +248,8 @@ std::string info_json(const StatueFile& statue) {
   for (const auto& option : meta.options) json["options"][option.name] = option.value;
   json["parameters"] = ordered_json::object();
   for (const auto& parameter : meta.parameters) json["parameters"][parameter.name] = parameter.value;
+  json["measures"] = ordered_json::object();
+  for (const auto& measure : meta.measures) json["measures"][measure.name] = measure.value;
   json["inputs"] = ordered_json::array();
   for (const auto& input : meta.inputs)
     json["inputs"].push_back({{"name", input.name}, {"bytes", input.bytes}, {"hash", input.hash}});
@@ -248,6 +277,7 @@ std::string info_json(const StatueFile& statue) {
           column.values);
     json["levels"].push_back(line);
   }
+  json["levels_above_target"] = levels_above_target(meta, summary);
   // Names come from the file: what is no UTF-8 is replaced.
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }

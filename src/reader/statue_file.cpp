@@ -43,8 +43,13 @@ std::optional<std::uint64_t> StatueFile::count_of(std::string_view name) const {
   return std::nullopt;
 }
 
-std::string StatueFile::name(RowIndex index) const {
-  const NodeRow& row = rows()[index];
+std::optional<double> StatueFile::measure_of(std::string_view name) const {
+  for (const container::NamedReal& measure : metadata().measures)
+    if (measure.name == name) return measure.value;
+  return std::nullopt;
+}
+
+std::string name_of(const NodeRow& row) {
   return fmt::format("level {}, centre {}, {}, {}", row.level, row.center[0], row.center[1], row.center[2]);
 }
 

@@ -64,6 +64,7 @@ inline Sample make_sample(std::size_t node_count) {
   m.has_colors = true;
   m.options = {{"leaf_triangles", "8000"}, {"empty", ""}, {"tolerance", "0.001"}};
   m.parameters = {{"sigma0", 0.1}, {"a parameter", -4}};
+  m.measures = {{"input_area", 1.5}};
   m.inputs = {{"scan 1.ply", 123456789012, "00112233445566778899aabbccddeeff"},
               {"b\xc3\xa4r.obj", 7, "ffeeddccbbaa99887766554433221100"}};
   m.counts = {{"triangles", 10}, {"degenerate", 0}, {"border edges", 1ULL << 40}};

@@ -15,6 +15,8 @@ TEST(Info, JsonHoldsTheMetadataAndSumsPerLevel) {
   const auto statue = fixture.open();
   const auto json = nlohmann::json::parse(info_json(*statue));
   EXPECT_EQ(json["scheme"], "diamonds");
+  EXPECT_EQ(json["producer"]["name"], "colossus");
+  EXPECT_EQ(json["producer"]["version"], container::release_version());
   EXPECT_EQ(json["position_bits"], 12);
   EXPECT_EQ(json["counts"]["triangles"], 1920);
   EXPECT_EQ(json["options"]["leaf-triangles"], "200");
@@ -45,8 +47,8 @@ TEST(Info, TextHasALinePerLevelAndAllStoredColumns) {
   StatueFixture fixture(torus(40, 24), 200);
   const auto statue = fixture.open();
   const std::string text = info_text(*statue);
-  for (const char* word :
-       {"bits/vertex", "target", "locked", "generated.ply", "border_edges", "lattice", "diamonds"})
+  for (const char* word : {"bits/vertex", "target", "locked", "generated.ply", "border_edges", "lattice",
+                           "diamonds", "producer"})
     EXPECT_NE(text.find(word), std::string::npos) << word;
   const std::string table = text.substr(text.rfind("\n\n") + 2);
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), statue->deepest_level() + 2);
