@@ -39,10 +39,11 @@ int verify_statue(const Statue& statue, const VerifyArguments& arguments) {
   reader::VerifyOptions options;
   options.samples_per_node = arguments.samples;
   input::LoadedMesh input;
-  std::optional<reader::SurfaceIndex> index;
+  reader::Surface surface;
   if (!arguments.against.empty()) {
     input = input::load_mesh(arguments.against, {arguments.drop_textures});
-    options.against = &index.emplace(reader::Surface{input.positions, input.triangles});
+    surface = {input.positions, input.triangles};
+    options.against = &surface;
   }
   const reader::VerifyReport report = reader::verify(statue, options);
   std::fputs(reader::to_text(report).c_str(), stdout);
@@ -113,7 +114,7 @@ void add_verify(CLI::App& app, Action& chosen) {
       "verify", "Check a container: bytes, structure, every face or parent map, every uniform cut");
   command->add_option("container", arguments->container, "The container")->required();
   command->add_option("--against", arguments->against,
-                      "The input files: check the stored errors by sampling");
+                      "The input files: compare numbers, bounds and area, and by sampling each level both ways");
   command->add_option("--samples", arguments->samples, "Samples per node with --against")
       ->capture_default_str();
   command->add_flag("--drop-textures", arguments->drop_textures, "As for build");

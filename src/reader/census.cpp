@@ -12,21 +12,23 @@ core::Hash128 edge_hash(const ScaledPosition& a, const ScaledPosition& b) {
   return core::hash128(std::as_bytes(std::span(ends)));
 }
 
-FlatTriangle flat_triangle(std::array<ScaledPosition, 3> corners) {
-  FlatTriangle flat;
-  for (std::size_t k = 0; k < 3; ++k) flat.edges[k] = edge_hash(corners[k], corners[(k + 1) % 3]);
-  flat.direction = 1;
-  const auto order = [&](std::size_t i, std::size_t j) {
-    if (corners[j] < corners[i]) {
-      std::swap(corners[i], corners[j]);
-      flat.direction = -flat.direction;
+// One use of an edge, by indices.
+struct EdgeUse {
+  std::uint64_t key;  // lesser end, greater end
+  bool is_forward;    // from the lesser to the greater
+};
+
+std::vector<EdgeUse> sorted_uses(std::span<const mesh::Triangle> triangles) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(triangles.size() * 3);
+  for (const mesh::Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t a = t[k];
+      const std::uint64_t b = t[(k + 1) % 3];
+      uses.push_back({std::min(a, b) << 32 | std::max(a, b), a < b});
     }
-  };
-  order(0, 1);
-  order(1, 2);
-  order(0, 1);
-  flat.corners = core::hash128(std::as_bytes(std::span(corners)));
-  return flat;
+  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) { return a.key < b.key; });
+  return uses;
 }
 
 // Adds up equal edges; sorts.
@@ -48,83 +50,61 @@ void count(EdgeCounts& counts, std::uint32_t uses) {
 
 }  // namespace
 
+EdgeCounts& EdgeCounts::operator+=(const EdgeCounts& other) {
+  triangles += other.triangles;
+  border_edges += other.border_edges;
+  nonmanifold_edges += other.nonmanifold_edges;
+  return *this;
+}
+
 PartCensus take_census(std::span<const ScaledPosition> positions, std::span<const std::uint8_t> shared_bits,
                        std::span<const mesh::Triangle> triangles) {
   PartCensus census;
-  std::vector<std::uint64_t> keys;
-  keys.reserve(triangles.size() * 3);
-  for (const mesh::Triangle& t : triangles) {
-    if ((shared_bits[t[0]] & shared_bits[t[1]] & shared_bits[t[2]]) != 0) {
-      census.flat.push_back(flat_triangle({positions[t[0]], positions[t[1]], positions[t[2]]}));
-      continue;
-    }
-    ++census.inside.triangles;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = t[k];
-      const std::uint64_t b = t[(k + 1) % 3];
-      keys.push_back(std::min(a, b) << 32 | std::max(a, b));
-    }
-  }
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t i = 0; i < keys.size();) {
-    std::size_t end = i;
-    while (end < keys.size() && keys[end] == keys[i]) ++end;
-    const auto a = static_cast<std::uint32_t>(keys[i] >> 32);
-    const auto b = static_cast<std::uint32_t>(keys[i]);
-    const auto uses = static_cast<std::uint32_t>(end - i);
+  census.inside.triangles = triangles.size();
+  const std::vector<EdgeUse> edges = sorted_uses(triangles);
+  for (std::size_t i = 0; i < edges.size();) {
+    const std::uint64_t key = edges[i].key;
+    const bool is_forward = edges[i].is_forward;
+    std::uint32_t uses = 0;
+    bool has_both_directions = false;
+    for (; i < edges.size() && edges[i].key == key; ++i, ++uses)
+      has_both_directions = has_both_directions || edges[i].is_forward != is_forward;
+    if (uses == 2 && !has_both_directions) ++census.inconsistent_edges;
+    const auto a = static_cast<std::uint32_t>(key >> 32);
+    const auto b = static_cast<std::uint32_t>(key);
     if ((shared_bits[a] & shared_bits[b]) != 0)
       census.shared.push_back({edge_hash(positions[a], positions[b]), uses});
     else
       count(census.inside, uses);
-    i = end;
   }
   return census;
 }
 
-void LevelCensus::Part::append(PartCensus&& census) {
-  inside.triangles += census.inside.triangles;
-  inside.border_edges += census.inside.border_edges;
-  inside.nonmanifold_edges += census.inside.nonmanifold_edges;
-  shared.insert(shared.end(), census.shared.begin(), census.shared.end());
-  flat.insert(flat.end(), census.flat.begin(), census.flat.end());
-}
-
 void LevelCensus::add(PartCensus&& census, bool is_leaf) {
-  (is_leaf ? leaves_ : split_).append(std::move(census));
+  Part& part = is_leaf ? leaves_ : split_;
+  part.inside += census.inside;
+  part.has_shared_places = part.has_shared_places || census.has_shared_places;
+  part.shared.insert(part.shared.end(), census.shared.begin(), census.shared.end());
 }
 
-EdgeCounts LevelCensus::finish_level() {
-  EdgeCounts counts;
-  counts.triangles = leaves_.inside.triangles + split_.inside.triangles;
-  counts.border_edges = leaves_.inside.border_edges + split_.inside.border_edges;
-  counts.nonmanifold_edges = leaves_.inside.nonmanifold_edges + split_.inside.nonmanifold_edges;
-
+LevelCounts LevelCensus::finish_level() {
+  LevelCounts counts{leaves_.inside, leaves_.is_damaged || split_.is_damaged,
+                     leaves_.has_shared_places || split_.has_shared_places};
+  counts.cut += split_.inside;
   merge_uses(leaves_.shared);
   std::vector<EdgeUses> edges = std::move(split_.shared);
-  std::vector<FlatTriangle> flat = std::move(split_.flat);
-  flat.insert(flat.end(), leaves_.flat.begin(), leaves_.flat.end());
-  std::sort(flat.begin(), flat.end(),
-            [](const FlatTriangle& a, const FlatTriangle& b) { return a.corners < b.corners; });
-  for (std::size_t i = 0; i < flat.size();) {
-    const std::size_t first = i;
-    std::int64_t net = 0;
-    for (; i < flat.size() && flat[i].corners == flat[first].corners; ++i) net += flat[i].direction;
-    const auto remaining = static_cast<std::uint32_t>(net < 0 ? -net : net);
-    counts.triangles += remaining;
-    if (remaining > 0)
-      for (const core::Hash128& edge : flat[first].edges) edges.push_back({edge, remaining});
-  }
+  split_ = {};
+  if (counts.is_partial) return counts;
   merge_uses(edges);
   // Both are sorted and without repetitions: walk through them together.
   auto leaf = leaves_.shared.begin();
   for (const EdgeUses& edge : edges) {
-    for (; leaf != leaves_.shared.end() && leaf->edge < edge.edge; ++leaf) count(counts, leaf->uses);
+    for (; leaf != leaves_.shared.end() && leaf->edge < edge.edge; ++leaf) count(counts.cut, leaf->uses);
     const bool is_in_both = leaf != leaves_.shared.end() && leaf->edge == edge.edge;
-    count(counts, edge.uses + (is_in_both ? leaf->uses : 0));
+    count(counts.cut, edge.uses + (is_in_both ? leaf->uses : 0));
     if (is_in_both) ++leaf;
   }
-  for (; leaf != leaves_.shared.end(); ++leaf) count(counts, leaf->uses);
-  split_ = {};
+  for (; leaf != leaves_.shared.end(); ++leaf) count(counts.cut, leaf->uses);
   return counts;
 }
 

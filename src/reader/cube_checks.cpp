@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "core/error.hpp"
-#include "reader/welded.hpp"
 
 namespace colossus::reader {
 namespace {
@@ -57,7 +56,10 @@ class CubeChecker {
       return statue_.load(row);
     } catch (const core::Error& error) {
       if (error.status() != core::Status::kBadData) throw;
-      if (row == row_) report_.findings.push_back({FindingKind::kDamage, error.what()});
+      if (row == row_) {
+        report_.is_damaged = true;
+        report_.findings.push_back({FindingKind::kDamage, error.what()});
+      }
       return std::nullopt;
     }
   }
@@ -98,6 +100,7 @@ class CubeChecker {
     }
     check_edges(mesh, cube.level);
     take_own_census(mesh, cube);
+    if (statue_.rows()[row_].level == statue_.deepest_level()) measure_finest(mesh);
     const double width = facts_.edge_length > 0.0 ? facts_.edge_length : edge_lengths(mesh).mean();
     report_.clefts = count_clefts(statue_, cube.level, mesh, width);
   }
@@ -156,8 +159,19 @@ class CubeChecker {
       const mesh::Triangle w{welded[t[0]], welded[t[1]], welded[t[2]]};
       if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) triangles.push_back(w);
     }
-    cancel_opposite_triangles(triangles);
     report_.census = take_census(positions, is_shared, triangles);
+    report_.census.has_shared_places = positions.size() < mesh.positions.size();
+  }
+
+  void measure_finest(const CubeMesh& mesh) {
+    FinestSurface& finest = report_.finest;
+    finest.greatest_error = statue_.rows()[row_].error;
+    finest.triangles = mesh.triangles.size();
+    std::vector<codec::ScaledPosition> positions;
+    for (const Point& p : mesh.positions) positions.push_back({p.x, p.y, p.z});
+    for (const mesh::Triangle& t : mesh.triangles)
+      for (const std::uint32_t v : t) finest.bounds.add(statue_.world(mesh.positions[v]));
+    add_area(finest, positions, mesh.triangles, 1.0);
   }
 
   // The children's triangles under their parent maps, without degenerate ones, are this cube's.

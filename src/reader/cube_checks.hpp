@@ -8,6 +8,7 @@
 #include "reader/census.hpp"
 #include "reader/clefts.hpp"
 #include "reader/cube_statue.hpp"
+#include "reader/finest.hpp"
 #include "reader/verify_report.hpp"
 
 namespace colossus::reader {
@@ -37,6 +38,8 @@ struct CubeReport {
   PartCensus census;
   CleftCounts clefts;
   codec::CubeMesh mesh;  // empty when it is damaged
+  bool is_damaged = false;
+  FinestSurface finest;  // of a cube of the deepest level
   // Of the children:
   std::vector<SharedVertex> shared;
   EdgeLengths edge_lengths;

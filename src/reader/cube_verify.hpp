@@ -1,5 +1,5 @@
-// Checks everything about a container of blocks that can be checked without its input, and with it the stored
-// errors.
+// Checks everything about a container of blocks that can be checked without its input, and with it how far
+// each level and the input are from each other.
 #pragma once
 
 #include "reader/cube_statue.hpp"
@@ -12,14 +12,15 @@ namespace colossus::reader {
 // level, as an extracted level has them. As for diamonds, no level may have any where the input, or else the
 // finest level, has none. Reported only: how dense triangles are along the borders of blocks.
 //
-// Distances: of samples_per_node deterministic samples of each node to the input. Whether an error is loose
-// is judged by the larger of these and the distances of samples of the input to the level (each for the node
-// that it is nearest to), of the node and those below.
+// The finest level as a whole, inconsistently oriented edges (within cubes), the layout of the file, damage,
+// and the input are compared as for diamonds (verify.hpp); border and non-manifold edges of the finest level
+// are those of all its cubes together. From the input to each level samples_per_node per cube are measured,
+// or as many as the level has triangles.
 //
 // Never throws for damage in nodes (that is a finding); throws Error(kIo) when the device fails. Decodes each
 // node twice, on all usable processors; the report does not depend on their number. Memory: some 100 bytes
 // per vertex of one level that lies within reach of its cube's border, and a batch of nodes; with the input
-// one whole level.
+// also a copy of its points, one whole level, and an index over each.
 VerifyReport verify(const CubeStatue& statue, const VerifyOptions& options = {});
 
 }  // namespace colossus::reader

@@ -7,7 +7,6 @@
 
 #include "core/bytes.hpp"
 #include "core/file.hpp"
-#include "reader/welded.hpp"
 
 namespace colossus::reader {
 namespace {
@@ -149,7 +148,6 @@ void weld(CutMesh& mesh) {
     for (auto& v : t) v = first[v];
   std::erase_if(mesh.triangles,
                 [](const mesh::Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
-  cancel_opposite_triangles(mesh.triangles);
   std::vector<bool> is_used(first.size());
   for (const mesh::Triangle& t : mesh.triangles)
     for (const auto v : t) is_used[v] = true;

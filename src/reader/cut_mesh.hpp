@@ -15,7 +15,7 @@ struct CutMesh {
   std::vector<std::array<std::uint8_t, 2>> normals;  // octahedral codes; empty when the container has none
   std::vector<mesh::Color> colors;                   // empty when the container has none
   std::vector<mesh::Triangle> triangles;
-  std::uint64_t stored_triangles = 0;  // before dropping and cancelling
+  std::uint64_t stored_triangles = 0;  // before dropping
 
   // Appends a position and returns its index; the attributes are left to the caller. Throws
   // Error(kNoResources) for more than 2^31 - 1 vertices.
@@ -24,8 +24,9 @@ struct CutMesh {
 
 // Welds vertices by their world positions, bit by bit: the first one's attributes stay. Equal exact positions
 // have equal world positions; where the origin is so far away that different ones have as well, an
-// independent program would weld them, so we do. Drops triangles with two equal positions, pairs of triangles
-// with the same corners in opposite order, and vertices that no triangle uses any more.
+// independent program would weld them, so we do. Drops triangles with two equal positions, and vertices that
+// no triangle uses any more. Two opposite triangles with the same corners are surface, a plate without
+// thickness, and stay.
 void weld(CutMesh& mesh);
 
 // Whether floats hold every coordinate exactly, so that they lose nothing of the lattice. Then, and only

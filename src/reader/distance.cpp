@@ -55,6 +55,18 @@ double box_squared(const WorldPoint& p, const WorldPoint& low, const WorldPoint&
   return sum;
 }
 
+// Squared distance from the origin to the triangle's box, which is no more than to the triangle.
+double triangle_box_squared(const WorldPoint& a, const WorldPoint& b, const WorldPoint& c) {
+  double sum = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double low = std::min(std::min(a[axis], b[axis]), c[axis]);
+    const double high = std::max(std::max(a[axis], b[axis]), c[axis]);
+    const double outside = std::max(std::max(low, 0.0), -high);
+    sum += outside * outside;
+  }
+  return sum;
+}
+
 // A pseudo-random number in [0, 1) for a seed and a counter.
 double uniform(std::uint64_t seed, std::uint64_t counter) {
   return static_cast<double>(core::mix64(core::mix64(seed) + counter * 0x9e3779b97f4a7c15ULL) >> 11) *
@@ -193,10 +205,15 @@ void SurfaceIndex::build(std::size_t node, std::size_t begin, std::size_t end, i
   }
 }
 
-SurfaceIndex::Nearest SurfaceIndex::nearest(const WorldPoint& p, std::uint32_t near) const {
-  const auto squared_to = [&](std::uint32_t t) {
+SurfaceIndex::Nearest SurfaceIndex::nearest(const WorldPoint& p, std::uint32_t near, double enough) const {
+  // Some value that is not below `least` where the distance is not.
+  const auto squared_to = [&](std::uint32_t t, double least) {
     const mesh::Triangle& v = surface_.triangles[t];
-    return triangle_squared(surface_.points[v[0]] - p, surface_.points[v[1]] - p, surface_.points[v[2]] - p);
+    const WorldPoint a = surface_.points[v[0]] - p;
+    const WorldPoint b = surface_.points[v[1]] - p;
+    const WorldPoint c = surface_.points[v[2]] - p;
+    const double to_box = triangle_box_squared(a, b, c);
+    return to_box < least ? triangle_squared(a, b, c) : to_box;
   };
   struct Pending {
     std::size_t node;
@@ -205,18 +222,18 @@ SurfaceIndex::Nearest SurfaceIndex::nearest(const WorldPoint& p, std::uint32_t n
     int depth;
     double squared;
   };
-  double best = squared_to(near);
+  double best = squared_to(near, std::numeric_limits<double>::infinity());
   std::uint32_t best_triangle = near;
   // Depth first, so at most one pending sibling per level; 40 levels are more than 2^32 triangles need.
   std::array<Pending, 48> stack;
   std::size_t top = 0;
   stack[top++] = {0, 0, order_.size(), 0, box_squared(p, boxes_[0].low, boxes_[0].high)};
-  while (top > 0) {
+  while (top > 0 && best > enough * enough) {
     const Pending next = stack[--top];
     if (!(next.squared < best)) continue;
     if (next.depth == depth_) {
       for (std::size_t i = next.begin; i < next.end; ++i)
-        if (const double squared = squared_to(order_[i]); squared < best) {
+        if (const double squared = squared_to(order_[i], best); squared < best) {
           best = squared;
           best_triangle = order_[i];
         }

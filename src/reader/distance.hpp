@@ -13,7 +13,8 @@ namespace colossus::reader {
 
 using WorldPoint = std::array<double, 3>;
 
-// Points and triangles in world units. Indices must be in range and coordinates finite.
+// Points and triangles, in world units where nothing else is said. Indices must be in range and coordinates
+// finite. Distances are right where fourth powers of lengths neither overflow nor vanish: verify() scales.
 struct Surface {
   std::span<const WorldPoint> points;
   std::span<const mesh::Triangle> triangles;
@@ -31,8 +32,10 @@ class SurfaceIndex {
     double distance = 0.0;
     std::uint32_t triangle = 0;
   };
-  // The distance from p to the surface. `near` is any triangle; one close to p makes it faster. Thread-safe.
-  Nearest nearest(const WorldPoint& p, std::uint32_t near = 0) const;
+  // The distance from p to the surface. `near` is any triangle; one close to p makes it faster. Any triangle
+  // that is no farther than `enough` will do, which is faster too; a larger distance is that of the nearest.
+  // Thread-safe.
+  Nearest nearest(const WorldPoint& p, std::uint32_t near = 0, double enough = 0.0) const;
 
   const Surface& surface() const { return surface_; }
 

@@ -10,8 +10,7 @@ namespace colossus::reader {
 
 // Vertices are welded by position across tetrahedra (equal exact positions are bit-equal), in order of first
 // occurrence in the cut (rows in order, places ascending); the attributes are those of the first. Triangles
-// with two equal positions are dropped, and pairs of triangles with the same corners in opposite order
-// cancel, as do those that welding brings together. Memory: proportional to the result. Throws like
+// with two equal positions are dropped, nothing else. Memory: proportional to the result. Throws like
 // Statue::load() and CutMesh::add_position().
 CutMesh assemble(const Statue& statue, const Cut& cut);
 

@@ -270,6 +270,10 @@ NodeBoundary node_boundary(const Statue& statue, RowIndex row, const Diamond& di
     }
     if (chains[place])
       for (const EdgeChain& edge : chains[place]->edges) boundary.edges.push_back({ref, edge});
+    if (is_damaged && statue.has_geometry(ref))
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = a + 1; b < 4; ++b)
+          boundary.edges.push_back({ref, {{t.corners[a], t.corners[b]}, {}}, FaceState::kUnknown});
     if (statue.is_leaf(row) || diamond.level >= hierarchy::kMaxLevel) continue;
     for (int end = 0; end < 2; ++end) {
       if (statue.child(ref, end).exists()) continue;
@@ -330,6 +334,9 @@ BoundaryReport check_edges(const Statue& statue, std::vector<EdgeEntry>& entries
     while (end < entries.size() && entries[end].edge.ends == entries[begin].edge.ends) ++end;
     const std::span<const EdgeEntry> group(&entries[begin], end - begin);
     begin = end;
+    if (std::any_of(group.begin(), group.end(),
+                    [](const EdgeEntry& entry) { return entry.state == FaceState::kUnknown; }))
+      continue;
     ++report.faces;
     ++report.nonempty_faces;
     const std::string wrong = EdgeChecker(statue, group).check();

@@ -72,6 +72,7 @@ struct FaceEntry {
 struct EdgeEntry {
   TetrahedronRef tetrahedron;
   EdgeChain edge;
+  FaceState state = FaceState::kKnown;  // kUnknown: of a damaged node; nothing can be said around this edge
 };
 
 // What one node contributes.

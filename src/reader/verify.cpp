@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "core/error.hpp"
 #include "reader/census.hpp"
 #include "reader/faces.hpp"
-#include "reader/input_samples.hpp"
+#include "reader/finest.hpp"
+#include "reader/input_check.hpp"
 #include "reader/parallel.hpp"
 #include "reader/welded.hpp"
 
@@ -16,6 +16,10 @@ namespace colossus::reader {
 namespace {
 
 constexpr std::size_t kBatch = 128;  // nodes in flight
+// Of the way from the input this share of samples_per_node is measured exactly, up to so many per level.
+constexpr std::size_t kInputShare = 16;
+constexpr std::size_t kMostInputSamples = 1'000'000;
+constexpr std::size_t kMostLooseVertices = 2'000'000;
 
 struct NodeReport {
   std::vector<Finding> findings;
@@ -23,7 +27,13 @@ struct NodeReport {
   std::vector<PartCensus> census;
   std::uint64_t samples = 0;
   double greatest_distance = 0.0;
-  double greatest_either_way = 0.0;  // also from the input to the node
+  double greatest_of_vertices = 0.0;  // as well
+  std::uint64_t inconsistent_edges = 0;
+  bool is_damaged = false;
+  FinestSurface finest;  // of a leaf
+  // With the input only; in scaled units:
+  std::vector<WorldPoint> points;
+  std::vector<mesh::Triangle> triangles;
 };
 
 // Rows against each other; needs no geometry.
@@ -82,102 +92,129 @@ std::optional<std::string> outside_bounds(const Statue& statue, RowIndex row,
   return std::nullopt;
 }
 
-void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex row, const Node& node,
-                  const InputSamples& input_samples, NodeReport& report) {
-  std::vector<WorldPoint> points;
-  std::vector<mesh::Triangle> triangles;
+// What the input is compared with, in scaled units.
+void place_mesh(const Statue& statue, const Scale& scale, const Node& node, NodeReport& report) {
   for (const auto& part : node.mesh.tetrahedra) {
-    const auto base = static_cast<std::uint32_t>(points.size());
+    const auto base = static_cast<std::uint32_t>(report.points.size());
     for (const auto& weights : part.weights)
-      points.push_back(statue.world(codec::scaled_position(weights, node.diamond.tetrahedra[part.place])));
+      report.points.push_back(
+          scale.scaled(statue.world(codec::scaled_position(weights, node.diamond.tetrahedra[part.place]))));
     for (const mesh::Triangle& t : part.triangles)
-      triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+      report.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
   }
+}
+
+void measure_node(const Statue& statue, const VerifyOptions& options, RowIndex row, const Input& input,
+                  NodeReport& report) {
   const auto& center = statue.rows()[row].center;
   const std::uint64_t seed = options.seed ^ geometry::PointHash{}({center[0], center[1], center[2]});
-  const std::vector<WorldPoint> samples = sample_surface({points, triangles}, options.samples_per_node, seed);
+  const std::vector<WorldPoint> samples =
+      sample_surface({report.points, report.triangles}, options.samples_per_node, seed);
   WorldPoint farthest{};
   std::uint32_t near = 0;
   for (const WorldPoint& p : samples) {
-    const auto found = options.against->nearest(p, near);
+    const auto found = world_distance(input.scale(), input.index(), p, near);
     near = found.triangle;
     if (found.distance > report.greatest_distance) {
       report.greatest_distance = found.distance;
-      farthest = p;
+      farthest = input.scale().world(p);
     }
   }
   report.samples = samples.size();
-  report.greatest_either_way = report.greatest_distance;
-  // Every vertex, and the other way, only where it can make a difference.
-  if (!triangles.empty() && statue.rows()[row].error > kLooseFactor * report.greatest_distance) {
-    const SurfaceIndex index({points, triangles});
-    std::uint32_t near_in_node = 0;
-    for (const std::uint32_t i : input_samples.by_row[row]) {
-      const auto found = index.nearest(input_samples.points[i], near_in_node);
-      near_in_node = found.triangle;
-      report.greatest_either_way = std::max(report.greatest_either_way, found.distance);
-    }
-    for (const WorldPoint& p : points) {
-      const auto found = options.against->nearest(p, near);
+  report.greatest_of_vertices = report.greatest_distance;
+  // Every vertex only where it can make a difference.
+  if (statue.rows()[row].error > kLooseFactor * report.greatest_distance) {
+    for (const WorldPoint& p : report.points) {
+      const auto found = world_distance(input.scale(), input.index(), p, near);
       near = found.triangle;
-      report.greatest_either_way = std::max(report.greatest_either_way, found.distance);
+      report.greatest_of_vertices = std::max(report.greatest_of_vertices, found.distance);
     }
-    report.samples += input_samples.by_row[row].size() + points.size();
+    report.samples += report.points.size();
   }
   if (auto finding = check_distance(statue, row, farthest, report.greatest_distance))
     report.findings.push_back(std::move(*finding));
 }
 
-NodeReport check_node(const Statue& statue, const VerifyOptions& options, const InputSamples& input_samples,
-                      RowIndex row) {
+// Of one tetrahedron of a leaf.
+FinestSurface finest_part(const Statue& statue, RowIndex row, const codec::QuantizedTetrahedron& part,
+                          const hierarchy::Tetrahedron& tetrahedron) {
+  FinestSurface finest;
+  finest.greatest_error = statue.rows()[row].error;
+  finest.triangles = part.triangles.size();
+  std::vector<codec::ScaledPosition> positions;
+  for (const auto& weights : part.weights) positions.push_back(codec::scaled_position(weights, tetrahedron));
+  for (const mesh::Triangle& t : part.triangles)
+    for (const std::uint32_t v : t) finest.bounds.add(statue.world(positions[v]));
+  add_area(finest, positions, part.triangles, std::ldexp(1.0, statue.metadata().position_bits));
+  return finest;
+}
+
+// One tetrahedron by itself.
+BoundaryChains check_part(const Statue& statue, RowIndex row, const codec::QuantizedTetrahedron& part,
+                          const hierarchy::Tetrahedron& tetrahedron, NodeReport& report) {
   const bool is_closed = statue.count_of("border_edges") == std::uint64_t{0};
+  if (const auto outside = outside_bounds(statue, row, part, tetrahedron))
+    report.findings.push_back(
+        {FindingKind::kBounds, fmt::format("node at {}: {}", statue.name(row), *outside)});
+  BoundaryChains chains = boundary_chains(part, tetrahedron);
+  if (is_closed && chains.unmarked > 0)
+    report.findings.push_back(
+        {FindingKind::kFace,
+         fmt::format(
+             "node at {}: place {} has {} border edges in faces without marks, but the input is closed",
+             statue.name(row), part.place, chains.unmarked)});
+  const WeldedTetrahedron welded = weld_positions(part, tetrahedron);
+  PartCensus census = take_census(welded.positions, welded.zero_weights, welded.triangles);
+  census.has_shared_places = welded.positions.size() < part.weights.size();
+  report.inconsistent_edges += census.inconsistent_edges;
+  if (statue.exists({row, part.place})) report.census.push_back(std::move(census));
+  if (statue.is_leaf(row)) report.finest.add(finest_part(statue, row, part, tetrahedron));
+  return chains;
+}
+
+NodeReport check_node(const Statue& statue, const VerifyOptions& options, const Input* input, RowIndex row) {
   NodeReport report;
   report.findings = check_structure(statue, row);
   const hierarchy::Diamond diamond = hierarchy::Diamond::at(statue.center(row));
   std::array<std::optional<BoundaryChains>, kMaxPlaces> chains;
   std::array<const BoundaryChains*, kMaxPlaces> present{};
-  bool is_damaged = false;
   try {
     const Node node = statue.load(row);
     for (const auto& part : node.mesh.tetrahedra) {
-      const hierarchy::Tetrahedron& tetrahedron = diamond.tetrahedra[part.place];
-      if (const auto outside = outside_bounds(statue, row, part, tetrahedron))
-        report.findings.push_back(
-            {FindingKind::kBounds, fmt::format("node at {}: {}", statue.name(row), *outside)});
-      chains[part.place] = boundary_chains(part, tetrahedron);
+      chains[part.place] = check_part(statue, row, part, diamond.tetrahedra[part.place], report);
       present[part.place] = &*chains[part.place];
-      if (is_closed && chains[part.place]->unmarked > 0)
-        report.findings.push_back(
-            {FindingKind::kFace,
-             fmt::format(
-                 "node at {}: place {} has {} border edges in faces without marks, but the input is closed",
-                 statue.name(row), part.place, chains[part.place]->unmarked)});
-      if (statue.exists({row, part.place})) {
-        const WeldedTetrahedron welded = weld_positions(part, tetrahedron);
-        report.census.push_back(take_census(welded.positions, welded.zero_weights, welded.triangles));
-      }
     }
-    if (options.against != nullptr) measure_node(statue, options, row, node, input_samples, report);
+    if (input != nullptr) {
+      place_mesh(statue, input->scale(), node, report);
+      measure_node(statue, options, row, *input, report);
+    }
   } catch (const core::Error& error) {
     if (error.status() != core::Status::kBadData) throw;
-    is_damaged = true;
+    report.is_damaged = true;
     report.findings.push_back({FindingKind::kDamage, error.what()});
   }
-  report.boundary = node_boundary(statue, row, diamond, present, is_damaged);
+  report.boundary = node_boundary(statue, row, diamond, present, report.is_damaged);
   return report;
 }
 
 class Verifier {
  public:
   Verifier(const Statue& statue, const VerifyOptions& options)
-      : statue_(statue), options_(options), log_(report_, options.examples_per_kind) {}
+      : statue_(statue),
+        options_(options),
+        log_(report_, options.examples_per_kind),
+        is_damaged_(statue.rows().size(), false) {}
 
   VerifyReport run() {
     const std::size_t rows = statue_.rows().size();
     report_.nodes = rows;
-    if (options_.against != nullptr)
-      input_samples_ = sample_input(statue_, options_.against->surface(), options_.seed);
+    if (options_.against != nullptr) {
+      input_.emplace(statue_, *options_.against);
+      input_->compare(log_);
+      sampled_.resize(rows, 0.0);
+    }
     if (rows == 0) log_.add({FindingKind::kStructure, "the container has no nodes"});
+    check_layout(statue_, log_);
     for (std::size_t begin = 0; begin < rows;) {
       // A batch ends with its level, so that the census can be closed.
       const std::uint32_t level = statue_.rows()[begin].level;
@@ -189,7 +226,8 @@ class Verifier {
       }
       std::vector<NodeReport> batch(end - begin);
       parallel_for(batch.size(), [&](std::size_t i) {
-        batch[i] = check_node(statue_, options_, input_samples_, static_cast<RowIndex>(begin + i));
+        batch[i] =
+            check_node(statue_, options_, input_ ? &*input_ : nullptr, static_cast<RowIndex>(begin + i));
       });
       for (std::size_t i = 0; i < batch.size(); ++i)
         merge(static_cast<RowIndex>(begin + i), std::move(batch[i]));
@@ -197,34 +235,112 @@ class Verifier {
     }
     if (!report_.levels.empty()) finish_level();
     finish_boundaries();
+    finish_finest();
     log_.check_census(statue_);
-    finish_distances();
+    log_.check_orientation(statue_);
+    if (input_) finish_distances();
     log_.sort();
     return std::move(report_);
   }
 
  private:
   void finish_level() {
-    const EdgeCounts counts = census_.finish_level();
+    const LevelCounts counts = census_.finish_level();
     LevelReport& level = report_.levels.back();
-    level.triangles = counts.triangles;
-    level.border_edges = counts.border_edges;
-    level.nonmanifold_edges = counts.nonmanifold_edges;
+    level.triangles = counts.cut.triangles;
+    level.border_edges = counts.cut.border_edges;
+    level.nonmanifold_edges = counts.cut.nonmanifold_edges;
+    level.is_partial = counts.is_partial;
+    level.has_shared_places = counts.has_shared_places;
+    if (!input_) return;
+    surface_.finish();
+    const std::size_t spread = options_.samples_per_node * surface_.part_count() / kInputShare;
+    measure_from_input(
+        statue_, *input_, surface_,
+        {level.level, level.level == statue_.deepest_level(), level.is_partial,
+         std::min(kMostInputSamples, spread), options_.seed + level.level},
+        [&](const WorldPoint& p) { return held_error(statue_, level.level, p, is_damaged_); }, log_,
+        sampled_);
+    measure_loose(level.level);
+    surface_.start_next();
+  }
+
+  // An error is of the node's own surface, and may be large where a neighbour's is nearer. So where errors of
+  // this level still seem to be loose, more samples of the input are measured to what stands for them.
+  void measure_loose(std::uint32_t level) {
+    std::vector<std::size_t> parts;
+    for (std::size_t i = 0; i < surface_.part_count(); ++i)
+      if (const container::NodeRow& node = statue_.rows()[surface_.row(i)];
+          node.level == level && node.error > kLooseFactor * sampled_[surface_.row(i)])
+        parts.push_back(i);
+    if (parts.empty()) return;
+    const std::vector<WorldPoint> samples = loose_samples();
+    parallel_for(parts.size(), [&](std::size_t i) {
+      const RowIndex row = surface_.row(parts[i]);
+      const container::NodeRow& node = statue_.rows()[row];
+      const SurfaceIndex index(surface_.surface(parts[i]));
+      double greatest = sampled_[row];
+      std::uint32_t near = 0;
+      for (const WorldPoint& p : samples) {
+        const WorldPoint q = input_->scale().world(p);
+        if (!is_near(node, q) || held_error(statue_, level, q, is_damaged_).row != row) continue;
+        const auto found = world_distance(input_->scale(), index, p, near);
+        near = found.triangle;
+        greatest = std::max(greatest, found.distance);
+      }
+      sampled_[row] = greatest;
+    });
+  }
+
+  // The vertices of the input, of very large ones every k-th, and as many points spread over it.
+  std::vector<WorldPoint> loose_samples() const {
+    const Surface surface = input_->kept();
+    const std::size_t stride = surface.points.size() / kMostLooseVertices + 1;
+    std::vector<WorldPoint> samples;
+    for (std::size_t i = 0; i < surface.points.size(); i += stride) samples.push_back(surface.points[i]);
+    const std::vector<WorldPoint> spread = sample_surface(surface, samples.size(), options_.seed);
+    samples.insert(samples.end(), spread.begin(), spread.end());
+    return samples;
+  }
+
+  // Within the bounds, or no farther from them than the error on any axis.
+  static bool is_near(const container::NodeRow& node, const WorldPoint& p) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (p[axis] < node.bounds[axis] - node.error || p[axis] > node.bounds[axis + 3] + node.error)
+        return false;
+    return true;
   }
 
   void merge(RowIndex row, NodeReport&& node) {
-    ++report_.levels.back().nodes;
+    LevelReport& level = report_.levels.back();
+    ++level.nodes;
+    level.inconsistent_edges += node.inconsistent_edges;
+    const bool is_leaf = statue_.is_leaf(row);
+    if (node.is_damaged) {
+      is_damaged_[row] = true;
+      ++level.damaged_nodes;
+      census_.add_damaged(is_leaf);
+      finest_.is_whole = finest_.is_whole && !is_leaf;
+    }
     for (Finding& finding : node.findings) log_.add(std::move(finding));
     faces_.insert(faces_.end(), node.boundary.faces.begin(), node.boundary.faces.end());
     std::move(node.boundary.edges.begin(), node.boundary.edges.end(), std::back_inserter(edges_));
-    for (PartCensus& census : node.census) census_.add(std::move(census), statue_.is_leaf(row));
+    for (PartCensus& census : node.census) census_.add(std::move(census), is_leaf);
+    finest_.add(node.finest);
+    if (input_) surface_.add(row, node.points, node.triangles, is_leaf);
     if (node.samples == 0) return;
     report_.samples += node.samples;
     const double error = statue_.rows()[row].error;
     if (error > 0.0)
       report_.greatest_ratio = std::max(report_.greatest_ratio, node.greatest_distance / error);
-    sampled_.resize(statue_.rows().size(), 0.0);
-    sampled_[row] = node.greatest_either_way;
+    sampled_[row] = std::max(sampled_[row], node.greatest_of_vertices);
+  }
+
+  void finish_finest() {
+    // Both sides of a face have the same edges in it, which is checked by itself.
+    finest_.border_edges = census_.inside_leaves().border_edges;
+    finest_.nonmanifold_edges = census_.inside_leaves().nonmanifold_edges;
+    check_finest(statue_, finest_, log_);
   }
 
   void finish_boundaries() {
@@ -237,13 +353,18 @@ class Verifier {
     log_.add_many(FindingKind::kEdge, edges.mismatches, std::move(edges.examples));
   }
 
-  // A node's error is at least that of the nodes below, so it is judged with their distances too.
+  // A node's error is at least that of the nodes below, so it is judged with their distances too; where one
+  // of these is damaged, nothing can be said.
   void finish_distances() {
+    std::vector<bool> is_unknown = is_damaged_;
     for (auto row = static_cast<RowIndex>(sampled_.size()); row-- > 0;) {
       for (const RowIndex parent : statue_.parents(row))
-        if (!statue_.is_leaf(parent)) sampled_[parent] = std::max(sampled_[parent], sampled_[row]);
+        if (!statue_.is_leaf(parent)) {
+          sampled_[parent] = std::max(sampled_[parent], sampled_[row]);
+          is_unknown[parent] = is_unknown[parent] || is_unknown[row];
+        }
       const double error = statue_.rows()[row].error;
-      if (!(error > statue_.lattice().input_error())) continue;
+      if (!(error > statue_.lattice().input_error()) || is_unknown[row]) continue;
       ++report_.measured_nodes;
       if (error > std::max(kLooseFactor * sampled_[row], kLooseFactor * weight_unit(row)))
         ++report_.loose_nodes;
@@ -260,11 +381,14 @@ class Verifier {
   }
 
   const Statue& statue_;
-  InputSamples input_samples_;
-  std::vector<double> sampled_;  // per row, the greatest distance either way
   const VerifyOptions& options_;
   VerifyReport report_;
   FindingLog log_;
+  std::vector<bool> is_damaged_;  // per row, as far as they were decoded
+  std::optional<Input> input_;
+  LevelSurface surface_;
+  std::vector<double> sampled_;  // per row, the greatest distance either way
+  FinestSurface finest_;
   std::vector<FaceEntry> faces_;
   std::vector<EdgeEntry> edges_;
   LevelCensus census_;

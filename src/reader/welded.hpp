@@ -15,7 +15,7 @@ struct WeldedTetrahedron {
   std::vector<codec::ScaledPosition> positions;
   std::vector<std::uint8_t> zero_weights;  // per position, bit i: the weight of corner i is 0
   std::vector<std::uint32_t> sources;      // per position: its first vertex
-  std::vector<mesh::Triangle> triangles;   // of positions; none with two equal ones, no opposite pairs
+  std::vector<mesh::Triangle> triangles;   // of positions; none with two equal ones
 
   std::uint8_t common_zeros(std::uint32_t a, std::uint32_t b) const {
     return static_cast<std::uint8_t>(zero_weights[a] & zero_weights[b]);
@@ -25,10 +25,5 @@ struct WeldedTetrahedron {
 // n log n.
 WeldedTetrahedron weld_positions(const codec::QuantizedTetrahedron& part,
                                  const hierarchy::Tetrahedron& tetrahedron);
-
-// Removes pairs of triangles with the same corners in opposite order: together they bound nothing. Of three
-// or more with the same corners those remain that exceed the other direction, the first of them. The order is
-// kept. n log n.
-void cancel_opposite_triangles(std::vector<mesh::Triangle>& triangles);
 
 }  // namespace colossus::reader

@@ -16,6 +16,7 @@ namespace {
 using geometry::Point;
 using hierarchy::CubeId;
 
+// In eighths of the root's side.
 constexpr std::array<double, 3> kOrigin{-3.25, 10.5, 0.125};
 
 // The vertices in order of first use, then the others, as they were.
@@ -51,8 +52,9 @@ std::vector<std::uint32_t> reorder(codec::CubeMesh& mesh) {
 
 }  // namespace
 
-BlocksFixture::BlocksFixture(const WorldMesh& mesh, int deepest, double sigma0, int position_bits)
-    : deepest_(deepest), sigma0_(sigma0) {
+BlocksFixture::BlocksFixture(const WorldMesh& mesh, int deepest, double sigma0, int position_bits,
+                             double root_side)
+    : deepest_(deepest), root_side_(root_side), sigma0_(sigma0) {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   folder_ = std::filesystem::path(::testing::TempDir()) /
             fmt::format("blocks_{}_{}_{}", test->test_suite_name(), test->name(), ::getpid());
@@ -60,7 +62,8 @@ BlocksFixture::BlocksFixture(const WorldMesh& mesh, int deepest, double sigma0, 
   path_ = folder_ / "statue.h5";
   const int root_bits = deepest + position_bits;
   metadata.scheme = container::kSchemeBlocks;
-  metadata.lattice = {kOrigin, std::ldexp(kRootSide, -root_bits), root_bits};
+  metadata.lattice = {kOrigin, std::ldexp(root_side, -root_bits), root_bits};
+  for (double& origin : metadata.lattice.origin) origin *= root_side / kRootSide;
   metadata.position_bits = position_bits;
   metadata.has_normals = true;
   metadata.has_colors = true;
@@ -70,6 +73,7 @@ BlocksFixture::BlocksFixture(const WorldMesh& mesh, int deepest, double sigma0, 
   metadata.counts = {{"border_edges", 0}, {"nonmanifold_edges", 1}};
   place(mesh);
   build();
+  describe();
 }
 
 BlocksFixture::~BlocksFixture() {
@@ -88,7 +92,7 @@ void BlocksFixture::place(const WorldMesh& mesh) {
     Point q;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double share = 0.02 + 0.96 * (p[axis] - bounds.low[axis]) / extent;
-      p[axis] = kOrigin[axis] + kRootSide * share;
+      p[axis] = metadata.lattice.origin[axis] + root_side_ * share;
       q[static_cast<int>(axis)] =
           static_cast<std::int32_t>(std::ldexp(share, metadata.lattice.root_bits) + 0.5);
     }
@@ -173,6 +177,47 @@ void BlocksFixture::add_cube(const CubeId& cube, const std::vector<std::uint32_t
   node.row.error = static_cast<double>(deepest_ + 1 - cube.level);
 }
 
+void BlocksFixture::describe() {
+  // The input is not rounded to the lattice.
+  long double input_area = 0;
+  for (const mesh::Triangle& t : input.triangles) {
+    std::array<long double, 3> u{}, v{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      u[axis] = (input.points[t[1]][axis] - input.points[t[0]][axis]) / metadata.lattice.step;
+      v[axis] = (input.points[t[2]][axis] - input.points[t[0]][axis]) / metadata.lattice.step;
+    }
+    const long double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2],
+                      z = u[0] * v[1] - u[1] * v[0];
+    input_area += std::sqrt(x * x + y * y + z * z) / 2;
+  }
+  describe_input(metadata, input, static_cast<double>(input_area));
+  std::vector<std::uint64_t> inconsistent(static_cast<std::size_t>(deepest_) + 1, 0);
+  std::uint64_t triangles = 0, border = 0, nonmanifold = 0;
+  long double area = 0;
+  EdgeMap finest;
+  for (const auto& [cube, node] : nodes) {
+    std::vector<ExactPosition> positions;
+    for (const Point& p : node.mesh.positions) positions.push_back({p.x, p.y, p.z});
+    EdgeMap edges;
+    add_edges(edges, positions, node.mesh.triangles);
+    for (const auto& [ends, uses] : edges)
+      inconsistent[static_cast<std::size_t>(cube.level)] += uses.is_inconsistent() ? 1 : 0;
+    if (cube.level != deepest_) continue;
+    add_edges(finest, positions, node.mesh.triangles);
+    triangles += node.mesh.triangles.size();
+    area += area_of(positions, node.mesh.triangles);
+  }
+  for (const auto& [ends, uses] : finest) {
+    border += uses.uses == 1 ? 1 : 0;
+    nonmanifold += uses.uses > 2 ? 1 : 0;
+  }
+  set_count(metadata, "finest_triangles", triangles);
+  set_count(metadata, "finest_border_edges", border);
+  set_count(metadata, "finest_nonmanifold_edges", nonmanifold);
+  set_measure(metadata, "finest_area", static_cast<double>(area));
+  set_inconsistent_edges(metadata, inconsistent);
+}
+
 void BlocksFixture::measure_errors() {
   const SurfaceIndex index(input.surface());
   for (auto entry = nodes.rbegin(); entry != nodes.rend(); ++entry) {
@@ -181,7 +226,7 @@ void BlocksFixture::measure_errors() {
     for (const Point& p : node.mesh.positions) {
       WorldPoint world{};
       for (std::size_t axis = 0; axis < 3; ++axis)
-        world[axis] = kOrigin[axis] + metadata.lattice.step * p[static_cast<int>(axis)];
+        world[axis] = metadata.lattice.origin[axis] + metadata.lattice.step * p[static_cast<int>(axis)];
       points.push_back(world);
     }
     double error = metadata.lattice.step;
@@ -214,8 +259,9 @@ void BlocksFixture::write() const {
       row.triangles = static_cast<std::uint32_t>(node.mesh.triangles.size());
       geometry::Bounds bounds;
       for (const Point& p : node.mesh.positions)
-        bounds.add({kOrigin[0] + metadata.lattice.step * p.x, kOrigin[1] + metadata.lattice.step * p.y,
-                    kOrigin[2] + metadata.lattice.step * p.z});
+        bounds.add({metadata.lattice.origin[0] + metadata.lattice.step * p.x,
+                    metadata.lattice.origin[1] + metadata.lattice.step * p.y,
+                    metadata.lattice.origin[2] + metadata.lattice.step * p.z});
       row.bounds = {bounds.low[0],  bounds.low[1],  bounds.low[2],
                     bounds.high[0], bounds.high[1], bounds.high[2]};
     }

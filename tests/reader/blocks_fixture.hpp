@@ -26,8 +26,8 @@ class BlocksFixture {
   static constexpr double kRootSide = 8.0;  // world units
 
   // The mesh is scaled into the root cube. Its edges must be at most sigma0 * 2^-deepest sides of it.
-  explicit BlocksFixture(const WorldMesh& mesh, int deepest = 3, double sigma0 = 0.25,
-                         int position_bits = 10);
+  explicit BlocksFixture(const WorldMesh& mesh, int deepest = 3, double sigma0 = 0.25, int position_bits = 10,
+                         double root_side = 8.0);
   ~BlocksFixture();
   BlocksFixture(const BlocksFixture&) = delete;
   BlocksFixture& operator=(const BlocksFixture&) = delete;
@@ -36,6 +36,8 @@ class BlocksFixture {
   container::Metadata metadata;
   WorldMesh input;  // as it lies in the world, not rounded to the lattice
 
+  // Stores of the input and of the nodes as they stand what a build stores, like StatueFixture::describe().
+  void describe();
   // Errors that are a little larger than the sampled distance from the input, or from it to the node.
   void measure_errors();
   // Writes the container as it stands, but for the order of vertices, which the codec wants to be that of
@@ -60,6 +62,7 @@ class BlocksFixture {
                 const std::vector<mesh::Triangle>& triangles);
 
   int deepest_ = 0;
+  double root_side_ = 0.0;  // world units; a power of two
   double sigma0_ = 0.0;
   std::vector<geometry::Point> points_;
   std::filesystem::path folder_;

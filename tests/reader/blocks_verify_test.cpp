@@ -286,9 +286,9 @@ TEST(BlocksVerify, FindsDamageOnceAndBlamesNobodyElse) {
 TEST(BlocksVerify, MeasuresTheErrorsAgainstTheInput) {
   BlocksFixture fixture(torus(128, 40));
   fixture.measure_errors();
-  const SurfaceIndex index(fixture.input.surface());
+  const Surface against = fixture.input.surface();
   VerifyOptions options;
-  options.against = &index;
+  options.against = &against;
   options.samples_per_node = 500;
   const VerifyReport report = verified(fixture, options);
   EXPECT_TRUE(report.is_ok()) << to_text(report);
@@ -381,9 +381,9 @@ TEST(BlocksVerify, DoesNotCallAnErrorLooseThatTellsWhatIsMissing) {
   auto& node = fixture.nodes.at({});
   node.mesh.triangles.resize(node.mesh.triangles.size() / 2);
   node.row.error = 2.0;
-  const SurfaceIndex index(fixture.input.surface());
+  const Surface against = fixture.input.surface();
   VerifyOptions options;
-  options.against = &index;
+  options.against = &against;
   const VerifyReport report = verified(fixture, options);
   EXPECT_LT(report.greatest_ratio, 0.01);
   EXPECT_EQ(report.measured_nodes, 1U);

@@ -178,6 +178,7 @@ StatueFixture::StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, 
   set_errors();
   metadata.levels = {{"target", std::vector<std::uint64_t>(nodes.rbegin()->first.first + 1, 77)},
                      {"locked", std::vector<double>(nodes.rbegin()->first.first + 1, 0.25)}};
+  describe(mesh);
 }
 
 StatueFixture::~StatueFixture() {
@@ -253,6 +254,52 @@ void StatueFixture::set_errors() {
   }
 }
 
+void StatueFixture::describe(const WorldMesh& mesh) {
+  std::vector<ExactPosition> on_lattice;
+  for (const WorldPoint& p : mesh.points) {
+    const Point q = lattice_.input_vertex(p);
+    on_lattice.push_back({q.x, q.y, q.z});
+  }
+  describe_input(metadata, mesh, static_cast<double>(area_of(on_lattice, mesh.triangles)));
+  std::vector<std::uint64_t> inconsistent(nodes.rbegin()->first.first + 1, 0);
+  std::uint64_t triangles = 0, border = 0, nonmanifold = 0;
+  long double area = 0;
+  for (const auto& [key, node] : nodes)
+    for (const auto& part : node.mesh.tetrahedra) {
+      const Tetrahedron t = Diamond::at(key.second).tetrahedra[part.place];
+      std::vector<ExactPosition> positions;
+      std::map<ExactPosition, codec::Weights> weights;
+      for (const auto& w : part.weights) {
+        ExactPosition p{};
+        for (std::size_t corner = 0; corner < 4; ++corner)
+          for (int axis = 0; axis < 3; ++axis)
+            p[static_cast<std::size_t>(axis)] += std::int64_t{w[corner]} * t.corners[corner][axis];
+        positions.push_back(p);
+        weights[p] = w;
+      }
+      EdgeMap edges;
+      add_edges(edges, positions, part.triangles);
+      const bool is_leaf = (node.row.flags & container::kNodeIsLeaf) != 0;
+      for (const auto& [ends, uses] : edges) {
+        inconsistent[key.first] += uses.is_inconsistent() ? 1 : 0;
+        bool is_in_face = false;
+        for (std::size_t corner = 0; corner < 4; ++corner)
+          is_in_face = is_in_face || weights[ends.first][corner] + weights[ends.second][corner] == 0;
+        if (!is_leaf || is_in_face) continue;
+        border += uses.uses == 1 ? 1 : 0;
+        nonmanifold += uses.uses > 2 ? 1 : 0;
+      }
+      if (!is_leaf) continue;
+      triangles += part.triangles.size();
+      area += area_of(positions, part.triangles);
+    }
+  set_count(metadata, "finest_triangles", triangles);
+  set_count(metadata, "finest_border_edges", border);
+  set_count(metadata, "finest_nonmanifold_edges", nonmanifold);
+  set_measure(metadata, "finest_area", static_cast<double>(std::ldexp(area, -2 * metadata.position_bits)));
+  set_inconsistent_edges(metadata, inconsistent);
+}
+
 void StatueFixture::write() const {
   std::vector<container::NodeRow> rows;
   std::vector<core::Bytes> frames;
@@ -318,6 +365,76 @@ void reorder(codec::QuantizedTetrahedron& part) {
       }
       v = renumbered[v];
     }
+}
+
+void set_count(container::Metadata& metadata, const std::string& name, std::uint64_t value) {
+  for (auto& count : metadata.counts)
+    if (count.name == name) {
+      count.value = value;
+      return;
+    }
+  metadata.counts.push_back({name, value});
+}
+
+void set_measure(container::Metadata& metadata, const std::string& name, double value) {
+  for (auto& measure : metadata.measures)
+    if (measure.name == name) {
+      measure.value = value;
+      return;
+    }
+  metadata.measures.push_back({name, value});
+}
+
+void set_inconsistent_edges(container::Metadata& metadata, const std::vector<std::uint64_t>& values) {
+  std::erase_if(metadata.levels, [](const auto& column) { return column.name == "inconsistent_edges"; });
+  metadata.levels.push_back({"inconsistent_edges", values});
+}
+
+void describe_input(container::Metadata& metadata, const WorldMesh& mesh, double area) {
+  set_count(metadata, "vertices", mesh.points.size());
+  set_count(metadata, "triangles", mesh.triangles.size());
+  set_measure(metadata, "input_area", area);
+  WorldPoint low = mesh.points[mesh.triangles[0][0]];
+  WorldPoint high = low;
+  for (const auto& t : mesh.triangles)
+    for (const auto v : t)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], mesh.points[v][axis]);
+        high[axis] = std::max(high[axis], mesh.points[v][axis]);
+      }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    set_measure(metadata, std::string("min_") + "xyz"[axis], low[axis]);
+    set_measure(metadata, std::string("max_") + "xyz"[axis], high[axis]);
+  }
+}
+
+void add_edges(EdgeMap& edges, const std::vector<ExactPosition>& positions,
+               const std::vector<mesh::Triangle>& triangles) {
+  for (const auto& t : triangles) {
+    const std::array<ExactPosition, 3> p{positions[t[0]], positions[t[1]], positions[t[2]]};
+    if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      EdgeUsesAt& edge = edges[std::minmax(p[k], p[(k + 1) % 3])];
+      ++edge.uses;
+      if (p[k] < p[(k + 1) % 3]) ++edge.forward;
+    }
+  }
+}
+
+long double area_of(const std::vector<ExactPosition>& positions,
+                    const std::vector<mesh::Triangle>& triangles) {
+  long double sum = 0;
+  for (const auto& t : triangles) {
+    std::array<long double, 3> u{}, v{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      u[axis] = static_cast<long double>(positions[t[1]][axis] - positions[t[0]][axis]);
+      v[axis] = static_cast<long double>(positions[t[2]][axis] - positions[t[0]][axis]);
+    }
+    const long double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2],
+                      z = u[0] * v[1] - u[1] * v[0];
+    sum += std::sqrt(x * x + y * y + z * z) / 2;
+  }
+  return sum;
 }
 
 Census census_of(const CutMesh& mesh) {

@@ -53,6 +53,9 @@ class StatueFixture {
   // Called for each payload before it is packed, so that checksums are right whatever it does.
   std::function<void(core::Bytes&)> change_payload;
 
+  // Stores of the input and of the nodes as they stand what a build stores: done once when the fixture is
+  // made, so that whatever is changed later is a fault. Shares no code with the reader.
+  void describe(const WorldMesh& mesh);
   // Writes the container as it stands and opens it.
   std::unique_ptr<Statue> open(const StatueOptions& options = {});
   void write() const;
@@ -71,6 +74,28 @@ class StatueFixture {
 
 // Puts vertices in order of first use and drops unused ones, as the codec wants it after a change.
 void reorder(codec::QuantizedTetrahedron& part);
+
+// Sets a count or a measure by its name, for faults.
+void set_count(container::Metadata& metadata, const std::string& name, std::uint64_t value);
+void set_measure(container::Metadata& metadata, const std::string& name, double value);
+// The column inconsistent_edges, one value per level.
+void set_inconsistent_edges(container::Metadata& metadata, const std::vector<std::uint64_t>& values);
+// What a build stores of the input itself; areas are square lattice units.
+void describe_input(container::Metadata& metadata, const WorldMesh& mesh, double area);
+
+// How often each edge between positions is used by triangles without two equal ones, and how often from the
+// lesser end to the greater.
+struct EdgeUsesAt {
+  std::size_t uses = 0;
+  std::size_t forward = 0;
+  bool is_inconsistent() const { return uses == 2 && forward != 1; }
+};
+using ExactPosition = std::array<std::int64_t, 3>;
+using EdgeMap = std::map<std::pair<ExactPosition, ExactPosition>, EdgeUsesAt>;
+void add_edges(EdgeMap& edges, const std::vector<ExactPosition>& positions,
+               const std::vector<mesh::Triangle>& triangles);
+long double area_of(const std::vector<ExactPosition>& positions,
+                    const std::vector<mesh::Triangle>& triangles);
 
 // Independent of the reader: welds bit-equal points and counts the uses of edges.
 struct Census {
