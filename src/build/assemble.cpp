@@ -1,5 +1,6 @@
 #include "build/assemble.hpp"
 
+#include "build/finest_level.hpp"
 #include "build/phase.hpp"
 #include "cluster/stop.hpp"
 #include "container/writer.hpp"
@@ -20,6 +21,7 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
                       {"position_bits", fmt::format("{}", hierarchy.position_bits)},
                       {"codec", options.codec}};
   if (options.tolerance) metadata.options.push_back({"tolerance", fmt::format("{}", *options.tolerance)});
+  if (options.keep_outliers) metadata.options.push_back({"keep_outliers", "true"});
   if (options.drop_textures) metadata.options.push_back({"drop_textures", "true"});
   metadata.options.insert(metadata.options.end(), hierarchy.options.begin(), hierarchy.options.end());
   metadata.parameters = hierarchy.parameters;
@@ -32,12 +34,27 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
                      {"polygons", c.polygons},
                      {"small_faces", c.small_faces},
                      {"degenerate", c.degenerate},
+                     {"collapsed", c.collapsed},
                      {"duplicate", c.duplicate},
+                     {"opposite", c.opposite},
+                     {"collinear", c.collinear},
                      {"border_edges", c.border_edges},
                      {"nonmanifold_edges", c.nonmanifold_edges},
+                     {"inconsistent_edges", c.inconsistent_edges},
                      {"merged_vertices", c.merged_vertices},
                      {"attribute_seams", c.attribute_seams},
-                     {"leaves_above_limit", above_limit}};
+                     {"leaves_above_limit", above_limit},
+                     {"finest_triangles", hierarchy.finest_triangles()},
+                     {"finest_border_edges", c.finest_border_edges},
+                     {"finest_nonmanifold_edges", c.finest_nonmanifold_edges}};
+  const AreaCheck areas(catalog, hierarchy);
+  metadata.counts.push_back({"area_differs", areas.differs() ? 1U : 0U});
+  metadata.measures = {{"input_area", areas.input}, {"finest_area", areas.finest}};
+  const geometry::Bounds& bounds = catalog.bounds;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    metadata.measures.push_back({fmt::format("min_{}", "xyz"[axis]), bounds.low[axis]});
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    metadata.measures.push_back({fmt::format("max_{}", "xyz"[axis]), bounds.high[axis]});
   if (c.split_edges > 0) metadata.counts.push_back({"split_edges", c.split_edges});
   const auto add = [&](const char* name, auto value_of) {
     std::vector<std::uint64_t> values;
@@ -73,6 +90,7 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
   add("angle_below_5", [](const Level& l) { return l.sums.angles.below_5_degrees; });
   add("angle_below_15", [](const Level& l) { return l.sums.angles.below_15_degrees; });
   add("angle_below_30", [](const Level& l) { return l.sums.angles.below_30_degrees; });
+  add("inconsistent_edges", [](const Level& l) { return l.sums.inconsistent_edges; });
   return metadata;
 }
 
@@ -80,10 +98,7 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
 
 std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const char* scheme,
                        const Hierarchy& hierarchy) {
-  if (hierarchy.nodes.empty())
-    core::fail(core::Status::kBadData,
-               "{}: the input has {} triangles, but all of them are degenerate: nothing can be built",
-               catalog.files.size() == 1 ? catalog.files[0].name : "all inputs", catalog.counts.triangles);
+  log_finest_level(catalog, hierarchy);
   container::ContainerWriter writer(workspace.options.output);
   std::vector<container::NodeRow> rows;
   rows.reserve(hierarchy.nodes.size());

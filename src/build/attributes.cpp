@@ -1,10 +1,13 @@
 #include "build/attributes.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "build/extent.hpp"
 #include "build/memory.hpp"
 #include "build/phase.hpp"
 #include "build/sampled_mesh.hpp"
+#include "core/log.hpp"
 
 namespace colossus::build {
 namespace {
@@ -24,12 +27,16 @@ struct ForNeighbor {
 struct BucketResult {
   BucketCounts counts;
   scratch::RecordRef mesh;
+  std::uint64_t lost_count = 0;
+  scratch::RecordRef lost;
   std::vector<ForNeighbor> lists;
 
   Bytes to_bytes() const {
     ByteWriter writer;
     writer.put(counts);
     writer.put(mesh);
+    writer.put(lost_count);
+    writer.put(lost);
     writer.put_array<ForNeighbor>(lists);
     return writer.take();
   }
@@ -38,35 +45,47 @@ struct BucketResult {
     BucketResult result;
     result.counts = reader.get<BucketCounts>();
     result.mesh = reader.get<scratch::RecordRef>();
+    result.lost_count = reader.get<std::uint64_t>();
+    result.lost = reader.get<scratch::RecordRef>();
     result.lists = reader.get_array<ForNeighbor>(reader.remaining() / sizeof(ForNeighbor));
     COLOSSUS_CHECK(!reader.failed());
     return result;
   }
 };
 
-// A triangle goes to all buckets that its bounding box meets: these need its corners.
+// A triangle goes to all buckets that its bounding box meets: these need its corners, even if it is lost.
 std::vector<ForNeighbor> tell_neighbors(const Workspace& workspace, const BucketTree& tree, const Cube& cube,
-                                        const mesh::Mesh& mesh) {
+                                        const mesh::Mesh& mesh, std::span<const LostTriangle> lost) {
   struct Need {
     std::uint32_t bucket;
-    std::uint32_t vertex;
+    std::uint32_t vertex;  // of the mesh, behind these corners of the lost
     auto operator<=>(const Need&) const = default;
   };
   std::vector<Need> needs;
   std::vector<std::uint32_t> met;
-  for (const mesh::Triangle& t : mesh.triangles) {
-    Point low = mesh.vertices[t[0]].position, high = low;
+  const auto vertex = [&](std::uint32_t v) -> const mesh::Vertex& {
+    if (v < mesh.vertices.size()) return mesh.vertices[v];
+    const std::size_t corner = v - mesh.vertices.size();
+    return lost[corner / 3].corners[corner % 3];
+  };
+  const auto look_at = [&](const mesh::Triangle& t) {
+    Point low = vertex(t[0]).position, high = low;
     for (const auto v : t)
       for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], mesh.vertices[v].position[axis]);
-        high[axis] = std::max(high[axis], mesh.vertices[v].position[axis]);
+        low[axis] = std::min(low[axis], vertex(v).position[axis]);
+        high[axis] = std::max(high[axis], vertex(v).position[axis]);
       }
-    if (cube.contains(low) && cube.contains(high)) continue;
+    if (cube.contains(low) && cube.contains(high)) return;
     tree.find(low, high, met);
     for (const auto v : t)
-      if (cube.contains(mesh.vertices[v].position))
+      if (cube.contains(vertex(v).position))
         for (const auto bucket : met)
           if (tree.cubes()[bucket] != cube) needs.push_back({bucket, v});
+  };
+  for (const mesh::Triangle& t : mesh.triangles) look_at(t);
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size() + 3 * i);
+    look_at({first, first + 1, first + 2});
   }
   std::sort(needs.begin(), needs.end());
   needs.erase(std::unique(needs.begin(), needs.end()), needs.end());
@@ -76,7 +95,7 @@ std::vector<ForNeighbor> tell_neighbors(const Workspace& workspace, const Bucket
     const std::uint32_t bucket = needs[i].bucket;
     vertices.clear();
     for (; i < needs.size() && needs[i].bucket == bucket; ++i)
-      vertices.push_back(mesh.vertices[needs[i].vertex]);
+      vertices.push_back(vertex(needs[i].vertex));
     lists.push_back({bucket, 0,
                      workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kAttributes),
                                              core::as_bytes(vertices))});
@@ -108,6 +127,34 @@ Bytes mesh_task(const Bucket& bucket) {
   return writer.take();
 }
 
+// In the order of the buckets: a sum of doubles depends on it.
+void take_counts(Catalog& catalog, const std::vector<BucketCounts>& of_buckets) {
+  InputCounts& counts = catalog.counts;
+  std::uint64_t triangles = 0;
+  std::array<bool, 4> is_on_diagonal{true, true, true, true};
+  for (const BucketCounts& own : of_buckets) {
+    counts.merged_vertices += own.merged_vertices;
+    counts.attribute_seams += own.attribute_seams;
+    counts.duplicate += own.duplicates;
+    counts.opposite += own.opposites;
+    counts.collinear += own.collinear;
+    counts.border_edges += own.input.border;
+    counts.nonmanifold_edges += own.input.nonmanifold;
+    counts.inconsistent_edges += own.input.inconsistent;
+    catalog.area += own.area;
+    triangles += own.triangles;
+    for (std::size_t k = 0; k < 4; ++k) is_on_diagonal[k] = is_on_diagonal[k] && own.is_off_diagonal[k] == 0;
+  }
+  const std::string name = catalog.files.size() == 1 ? catalog.files[0].name : "all inputs";
+  const bool is_line = std::find(is_on_diagonal.begin(), is_on_diagonal.end(), true) != is_on_diagonal.end();
+  if (triangles == counts.collinear || is_line)
+    core::fail(core::Status::kBadData,
+               "{}: no triangle with an area is left: of {} triangles {} are degenerate, {} are so small that they "
+               "collapse on the lattice, and the corners of the others are collinear{}: nothing can be built{}",
+               name, counts.triangles, counts.degenerate, counts.collapsed,
+               is_line && triangles > 0 ? ", all on one line" : "", far_corner_text(catalog));
+}
+
 }  // namespace
 
 std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& catalog, Buckets&& buckets,
@@ -115,6 +162,9 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
   const std::vector<std::size_t> filled = filled_buckets(buckets.buckets);
   std::vector<BucketRecord> records(filled.size());
   std::vector<std::vector<ForNeighbor>> lists(filled.size());
+  std::vector<BucketCounts> counts(filled.size());
+  const InputBox box{catalog.lattice.input_vertex(catalog.bounds.low),
+                     catalog.lattice.input_vertex(catalog.bounds.high)};
   run_phase(
       workspace, "attributes", filled.size(),
       [&](std::size_t i) {
@@ -129,10 +179,14 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
         Piece piece;
         while (reader.remaining() > 0)
           load_piece(workspace, catalog, reader.get<scratch::RecordRef>(), piece);
-        BucketMesh bucket(rounding, cube, std::move(piece));
+        BucketMesh bucket(rounding, cube, box, std::move(piece));
         BucketResult result;
         result.counts = bucket.counts();
-        result.lists = tell_neighbors(workspace, buckets.tree, cube, bucket.mesh());
+        result.lists = tell_neighbors(workspace, buckets.tree, cube, bucket.mesh(), bucket.lost());
+        result.lost_count = bucket.lost().size();
+        if (!bucket.lost().empty())
+          result.lost = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kLost),
+                                                core::as_bytes(bucket.lost()));
         result.mesh = store(workspace, {std::move(bucket.mesh()), {}});
         return result.to_bytes();
       },
@@ -140,15 +194,18 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
         const BucketResult result = BucketResult::from_bytes(bytes);
         records[i].cube = buckets.buckets[filled[i]].cube;
         records[i].triangle_count = buckets.buckets[filled[i]].triangle_count;
+        records[i].finest = result.counts.finest;
         records[i].mesh = result.mesh;
+        records[i].lost_count = result.lost_count;
+        records[i].lost = result.lost;
         lists[i] = result.lists;
-        catalog.counts.merged_vertices += result.counts.merged_vertices;
-        catalog.counts.attribute_seams += result.counts.attribute_seams;
-        catalog.counts.duplicate += result.counts.duplicates;
-        catalog.counts.border_edges += result.counts.border_edges;
-        catalog.counts.nonmanifold_edges += result.counts.nonmanifold_edges;
+        counts[i] = result.counts;
       });
+  workspace.ranks.attempt([&] {
+    if (workspace.ranks.is_root()) take_counts(catalog, counts);
+  });
   broadcast_value(workspace.ranks, catalog.counts);
+  broadcast_value(workspace.ranks, catalog.area);
   // In the order of the buckets, not of arrival: tasks are made of this.
   std::vector<std::size_t> record_of(buckets.buckets.size());
   for (std::size_t i = 0; i < filled.size(); ++i) record_of[filled[i]] = i;
@@ -158,10 +215,21 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
   return records;
 }
 
+void log_counts(const InputCounts& c) {
+  core::log(
+      "partition: {} degenerate, {} duplicate and {} opposite triangles dropped, {} collapsed; {} collinear ones "
+      "stay; {} border, {} non-manifold and {} inconsistently oriented edges",
+      c.degenerate, c.duplicate, c.opposite, c.collapsed, c.collinear, c.border_edges, c.nonmanifold_edges,
+      c.inconsistent_edges);
+}
+
 Bytes bucket_task(const BucketRecord& bucket) {
   ByteWriter writer;
   writer.put(bucket.cube);
+  writer.put(bucket.finest);
   writer.put(bucket.mesh);
+  writer.put(bucket.lost_count);
+  writer.put(bucket.lost);
   writer.put_array<scratch::RecordRef>(bucket.from_neighbors);
   return writer.take();
 }
@@ -170,7 +238,14 @@ LoadedBucket load_bucket(const Workspace& workspace, std::span<const std::byte> 
   ByteReader reader(task);
   LoadedBucket bucket;
   bucket.cube = reader.get<Cube>();
+  bucket.finest = reader.get<EdgeCensus>();
   bucket.mesh = load(workspace, reader.get<scratch::RecordRef>()).mesh;
+  const auto lost_count = reader.get<std::uint64_t>();
+  const auto lost = reader.get<scratch::RecordRef>();
+  if (lost_count > 0) {
+    const Bytes bytes = workspace.reader.read(lost);
+    bucket.lost = ByteReader(bytes).get_array<LostTriangle>(lost_count);
+  }
   std::vector<mesh::Vertex> known;
   while (reader.remaining() > 0) {
     const Bytes bytes = workspace.reader.read(reader.get<scratch::RecordRef>());
@@ -179,18 +254,23 @@ LoadedBucket load_bucket(const Workspace& workspace, std::span<const std::byte> 
   }
   const auto is_less = [](const mesh::Vertex& a, const mesh::Vertex& b) { return a.position < b.position; };
   std::sort(known.begin(), known.end(), is_less);
-  // Vertices whose triangles have cancelled are nobody's.
+  const auto finish = [&](mesh::Vertex& v) {
+    if (bucket.cube.contains(v.position)) return;
+    const auto found = std::lower_bound(known.begin(), known.end(), v, is_less);
+    COLOSSUS_CHECK(found != known.end() && found->position == v.position, "no attributes for {} {} {}",
+                   v.position.x, v.position.y, v.position.z);
+    v = *found;
+  };
+  // Vertices whose triangles are lost are nobody's.
   std::vector<bool> is_finished(bucket.mesh.vertices.size(), false);
   for (const mesh::Triangle& t : bucket.mesh.triangles)
     for (const auto i : t) {
-      mesh::Vertex& v = bucket.mesh.vertices[i];
-      if (is_finished[i] || bucket.cube.contains(v.position)) continue;
+      if (is_finished[i]) continue;
       is_finished[i] = true;
-      const auto found = std::lower_bound(known.begin(), known.end(), v, is_less);
-      COLOSSUS_CHECK(found != known.end() && found->position == v.position, "no attributes for {} {} {}",
-                     v.position.x, v.position.y, v.position.z);
-      v = *found;
+      finish(bucket.mesh.vertices[i]);
     }
+  for (LostTriangle& triangle : bucket.lost)
+    for (mesh::Vertex& v : triangle.corners) finish(v);
   return bucket;
 }
 

@@ -9,22 +9,31 @@ namespace colossus::build {
 struct BucketRecord {
   Cube cube;
   std::uint64_t triangle_count = 0;
+  EdgeCensus finest;  // of its mesh
   scratch::RecordRef mesh;
+  std::uint64_t lost_count = 0;
+  scratch::RecordRef lost;                         // LostTriangle, if there are any
   std::vector<scratch::RecordRef> from_neighbors;  // positions that they own, with attributes
 };
 
 // Makes the meshes of all buckets, see BucketMesh, and has them tell each other the attributes of positions
 // that triangles share. On rank 0: the buckets that are not empty, the largest first, so that none of them
-// starts last. Completes the catalogue's counts of triangles, edges and vertices, on all ranks. Throws
-// Error(kNoResources) when a bucket is too crowded for the memory limit. Collective.
+// starts last. Completes the catalogue's area and its counts of triangles, edges and vertices of the input, on
+// all ranks. Throws Error(kNoResources) when a bucket is too crowded for the memory limit, Error(kBadData) when
+// the input has no surface to build of. Collective.
 std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& catalog, Buckets&& buckets,
                                           const Rounding& rounding);
+
+// What became of the input's triangles, and its edges.
+void log_counts(const InputCounts& counts);
 
 // A bucket as a task, and its mesh with all attributes.
 core::Bytes bucket_task(const BucketRecord& bucket);
 struct LoadedBucket {
   Cube cube;
+  EdgeCensus finest;  // of the mesh
   mesh::Mesh mesh;
+  std::vector<LostTriangle> lost;
 };
 LoadedBucket load_bucket(const Workspace& workspace, std::span<const std::byte> task);
 

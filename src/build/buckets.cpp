@@ -38,14 +38,14 @@ class Assignment {
   Assignment(const Piece& piece, const Rounding& rounding, const BucketTree& tree, const Targets& targets) {
     std::vector<std::uint32_t> met;
     for (std::uint32_t i = 0; i < piece.triangles.size(); ++i) {
-      std::array<Point, 3> p;
-      for (std::size_t k = 0; k < 3; ++k) p[k] = piece.vertices[piece.triangles[i][k]].position;
-      if (mesh::is_degenerate(p[0], p[1], p[2])) {
+      if (is_degenerate(piece, piece.triangles[i])) {
         ++degenerate_;
         continue;
       }
-      for (Point& corner : p) corner = rounding(corner);
-      if (mesh::is_degenerate(p[0], p[1], p[2])) ++degenerate_;
+      std::array<Point, 3> p;
+      for (std::size_t k = 0; k < 3; ++k)
+        p[k] = rounding(piece.vertices[piece.triangles[i][k]].position);
+      if (mesh::is_degenerate(p[0], p[1], p[2])) ++collapsed_;
       Point low, high;
       for (int axis = 0; axis < 3; ++axis) {
         low[axis] = std::min({p[0][axis], p[1][axis], p[2][axis]});
@@ -58,8 +58,10 @@ class Assignment {
                      [](const Assigned& a, const Assigned& b) { return a.target < b.target; });
   }
 
-  // Triangles that have lost a corner to lattice or rounding.
+  // Triangles that had two equal corners when they were read.
   std::uint64_t degenerate() const { return degenerate_; }
+  // Triangles that have lost a corner to lattice or rounding.
+  std::uint64_t collapsed() const { return collapsed_; }
 
   // Calls visit(target, triangles) for each target, ascending.
   template <typename Visit>
@@ -80,6 +82,15 @@ class Assignment {
     std::uint32_t triangle;
   };
 
+  static bool is_degenerate(const Piece& piece, const mesh::Triangle& t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const mesh::Vertex& a = piece.vertices[t[k]];
+      const mesh::Vertex& b = piece.vertices[t[(k + 1) % 3]];
+      if (a.position == b.position && a.fingerprint == b.fingerprint) return true;
+    }
+    return false;
+  }
+
   // `met` ascends, so that those of one target follow each other.
   void assign(const std::vector<std::uint32_t>& met, std::uint32_t triangle, const Targets& targets) {
     for (std::size_t i = 0; i < met.size(); ++i) {
@@ -91,6 +102,7 @@ class Assignment {
 
   std::vector<Assigned> assigned_;
   std::uint64_t degenerate_ = 0;
+  std::uint64_t collapsed_ = 0;
 };
 
 class BucketFiller {
@@ -181,6 +193,7 @@ class BucketFiller {
     PieceCutter cutter(piece);
     ByteWriter writer;
     writer.put(assignment.degenerate());
+    writer.put(assignment.collapsed());
     assignment.for_each_target([&](std::uint32_t target, std::span<const std::uint32_t> triangles) {
       const Piece part = cutter.take(triangles);
       writer.put(BucketPiece{target, 0, static_cast<std::uint32_t>(part.triangles.size()),
@@ -193,7 +206,11 @@ class BucketFiller {
   std::vector<BucketPiece> take(const Bytes& bytes, bool is_first) {
     ByteReader reader(bytes);
     const auto degenerate = reader.get<std::uint64_t>();
-    if (is_first) catalog_.counts.degenerate += degenerate;
+    const auto collapsed = reader.get<std::uint64_t>();
+    if (is_first) {
+      catalog_.counts.degenerate += degenerate;
+      catalog_.counts.collapsed += collapsed;
+    }
     auto pieces = reader.get_array<BucketPiece>(reader.remaining() / sizeof(BucketPiece));
     COLOSSUS_CHECK(!reader.failed());
     return pieces;

@@ -3,11 +3,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <optional>
 
 #include "build/assemble.hpp"
 #include "build/estimate.hpp"
+#include "build/extent.hpp"
 #include "build/inputs.hpp"
 #include "build/memory.hpp"
 #include "build/phase.hpp"
@@ -25,7 +27,7 @@ void check_options(const cluster::Communicator& ranks, const BuildOptions& optio
     if (options.leaf_triangles < 16)
       core::fail(core::Status::kUsage, "--leaf-triangles {} is too small; the least is 16",
                  options.leaf_triangles);
-    if (options.tolerance && !(*options.tolerance > 0.0))
+    if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0.0))
       core::fail(core::Status::kUsage, "--tolerance {} is not a positive length", *options.tolerance);
     codec::codec_named(options.codec);
     scheme_named(options.scheme).check(options);
@@ -37,8 +39,15 @@ void log_survey(const Catalog& catalog) {
   core::log(
       "survey: {} vertices, {} triangles ({} polygons as fans, {} faces with fewer than 3 corners skipped)",
       c.vertices, c.triangles, c.polygons, c.small_faces);
-  core::log("survey: bounds {} {} {} to {} {} {}", catalog.bounds.low[0], catalog.bounds.low[1],
-            catalog.bounds.low[2], catalog.bounds.high[0], catalog.bounds.high[1], catalog.bounds.high[2]);
+}
+
+void log_lattice(const Catalog& catalog) {
+  const geometry::Bounds& bounds = catalog.bounds;
+  core::log("extent: {} {} {} to {} {} {}", bounds.low[0], bounds.low[1], bounds.low[2], bounds.high[0],
+            bounds.high[1], bounds.high[2]);
+  core::log("lattice: step {} (input vertices moved by at most {}), origin {} {} {}", catalog.lattice.step,
+            catalog.lattice.input_error(), catalog.lattice.origin[0], catalog.lattice.origin[1],
+            catalog.lattice.origin[2]);
 }
 
 void check_output(const BuildOptions& options) {
@@ -61,18 +70,24 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme,
     if (ranks.is_root()) check_unchanged(inputs);
   });
   log_survey(catalog);
+  const std::uint32_t survey_phase = last_phase(workspace);
+  const std::uint64_t resident_bytes = greatest_peak_memory(ranks);
+  std::vector<TriangleGroup> groups = request_vertices(workspace, catalog);
+  measure_extent(workspace, catalog, groups);
   catalog.lattice = geometry::Lattice::fit(catalog.bounds);
-  core::log("lattice: step {} (input vertices moved by at most {}), origin {} {} {}", catalog.lattice.step,
-            catalog.lattice.input_error(), catalog.lattice.origin[0], catalog.lattice.origin[1],
-            catalog.lattice.origin[2]);
+  log_lattice(catalog);
   workspace.reporter.set_input(catalog);
-  announce_estimate(workspace, catalog);
+  announce_estimate(workspace, catalog, resident_bytes);
 
   BuildReport report;
   report.input_triangles = catalog.counts.triangles;
   report.is_dry_run = workspace.options.is_dry_run;
   if (report.is_dry_run) return report;
-  const Hierarchy hierarchy = scheme.build(workspace, catalog);
+  answer_requests(workspace, catalog, groups);
+  release_phases_up_to(workspace, survey_phase);
+  measure_median_edge(workspace, catalog, groups);
+  ranks.attempt([&] { refuse_far_corner(workspace.options, catalog, 2.0 * catalog.lattice.input_error()); });
+  const Hierarchy hierarchy = scheme.build(workspace, catalog, std::move(groups));
   workspace.reporter.set_input(catalog);
   ranks.attempt([&] {
     if (ranks.is_root()) report.output_bytes = assemble(workspace, catalog, scheme.name, hierarchy);
@@ -100,9 +115,8 @@ struct Attempt {
   bool is_done_with_scratch() const {
     if (is_superseded) return false;
     if (!failure) return !(report.is_dry_run && is_resumed);
-    const bool is_input =
-        failure->status() == core::Status::kBadData || failure->status() == core::Status::kUsage;
-    return is_input && !is_resumed;
+    if (failure->status() == core::Status::kUsage) return true;
+    return failure->status() == core::Status::kBadData && !is_resumed;
   }
 };
 

@@ -23,6 +23,7 @@ enum class RecordKind : std::uint32_t {
   kRim = 8,             // positions of the vertices that a cube shares
   kPiece = 9,           // a Piece: triangles of one bucket
   kAttributes = 10,     // mesh::Vertex, for a neighbour
+  kLost = 11,           // LostTriangle
 };
 
 // Consecutive vertices of all files, numbered through.
@@ -54,10 +55,18 @@ struct InputCounts {
   std::uint64_t triangles = 0;    // as read, polygons as fans
   std::uint64_t polygons = 0;     // faces with more than three corners
   std::uint64_t small_faces = 0;  // faces with fewer than three corners, skipped
-  std::uint64_t degenerate = 0;   // dropped
-  std::uint64_t duplicate = 0;    // dropped
+  std::uint64_t degenerate = 0;   // two equal corners; dropped
+  std::uint64_t collapsed = 0;    // that have two equal corners on the lattice, or the grid of blocks, only
+  std::uint64_t duplicate = 0;    // the corners of an earlier one; dropped
+  std::uint64_t opposite = 0;     // the corners of an earlier one, turned over; dropped
+  std::uint64_t collinear = 0;    // three corners on one line
+  // Of what is left of the input:
   std::uint64_t border_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
+  std::uint64_t inconsistent_edges = 0;  // two triangles run along it in the same direction
+  // Of the finest level as it is stored:
+  std::uint64_t finest_border_edges = 0;
+  std::uint64_t finest_nonmanifold_edges = 0;
   std::uint64_t split_edges = 0;  // too long for their cubes (blocks)
   // Of the vertices that triangles with three corners use: those at a position that another one has, and
   // positions whose vertices had different attributes, which were averaged.
@@ -65,12 +74,25 @@ struct InputCounts {
   std::uint64_t attribute_seams = 0;
 };
 
+// The corner farthest from the middle of the input, where it and a few others alone make the lattice coarse.
+struct FarCorner {
+  bool is_far = false;
+  std::uint32_t file = 0;
+  std::uint64_t vertex = 0;  // of the file
+  std::array<double, 3> position{};
+  geometry::Bounds core;     // of the nearest 99.9 % of the vertices
+  double median_edge = 0.0;  // of the input on its lattice; world units
+};
+
 struct Catalog {
   std::vector<InputFile> files;
   std::vector<VertexBlockRef> vertex_blocks;      // ascending
   std::vector<TriangleBlockRef> triangle_blocks;  // in the order of the files' faces
-  geometry::Bounds bounds;
+  geometry::Bounds bounds;  // of the vertices that triangles use
+  FarCorner far_corner;
   geometry::Lattice lattice;
+  // On the lattice, of what is left of the input; in square lattice units, so that it cannot overflow.
+  double area = 0.0;
   InputCounts counts;
   // Vertices that a block of triangles has, roughly, summed over the blocks: about half as many as triangles where
   // their order is that of space, and up to three times as many. On rank 0.

@@ -193,14 +193,13 @@ BuildEstimate estimate(const BuildOptions& options, const Catalog& catalog, cons
   return Estimator(options, catalog, occupancy).run(resident_bytes);
 }
 
-void announce_estimate(const Workspace& workspace, const Catalog& catalog) {
+void announce_estimate(const Workspace& workspace, const Catalog& catalog, std::uint64_t resident_bytes) {
   const Occupancy occupancy = count_occupancy(workspace, catalog);
-  const std::uint64_t resident = greatest_peak_memory(workspace.ranks);
   workspace.ranks.attempt([&] {
     if (!workspace.ranks.is_root()) return;
     const std::filesystem::path& scratch = workspace.scratch.folder;
     const std::filesystem::path output = folder_of(workspace.options.output);
-    BuildEstimate needs = estimate(workspace.options, catalog, occupancy, resident);
+    BuildEstimate needs = estimate(workspace.options, catalog, occupancy, resident_bytes);
     needs.free_scratch_bytes = free_bytes(scratch);
     needs.free_output_bytes = free_bytes(output);
     workspace.reporter.set_estimate(needs);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "build/options.hpp"
 #include "codec/coded_node.hpp"
 #include "container/schema.hpp"
 #include "scratch/spool.hpp"
@@ -20,12 +21,20 @@ struct NodeStatistics {
   std::uint64_t initial_vertices = 0;
   std::uint64_t locked_vertices = 0;
   simplify::AngleCounts angles;  // of leaves too
+  // Edges that two triangles of one tetrahedron, or cube, use in the same direction; of leaves too.
+  std::uint64_t inconsistent_edges = 0;
+  // Of the finest level alone; of diamonds without edges within faces, which both sides have.
+  std::uint64_t finest_border_edges = 0;
+  std::uint64_t finest_nonmanifold_edges = 0;
+
+  NodeStatistics& operator+=(const NodeStatistics& other);
 };
 
 // What assembly needs of a node. Rank 0 keeps it for all nodes, to the end.
 struct StoredNode {
   container::NodeRow row;
   scratch::RecordRef chunk;
+  double area = 0.0;  // of a leaf's surface, square units of the container's lattice
 };
 
 struct FinishedNode : StoredNode {
@@ -62,6 +71,16 @@ struct Hierarchy {
   void add(std::uint32_t level, const NodeStatistics& statistics);
   // Orders the nodes by level and centre.
   void sort();
+  // Of the leaves of sorted nodes, whose sum does not depend on the order in which they were finished.
+  double finest_area() const;
+  std::uint64_t finest_triangles() const;
 };
+
+// Throws Error(kUsage) when the greatest error of the finest level is above options.tolerance. Not collective;
+// before the first level is simplified.
+void require_tolerance(const BuildOptions& options, double greatest_error);
+
+// When a level has more than a tenth more triangles than were aimed at. Not collective.
+void warn_of_missed_target(const Hierarchy& hierarchy, std::uint32_t level);
 
 }  // namespace colossus::build

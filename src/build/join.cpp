@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "build/fingerprint.hpp"
 #include "build/phase.hpp"
 #include "build/radix_sort.hpp"
 
@@ -58,183 +59,227 @@ TriangleGroup read_group(std::span<const std::byte> bytes) {
   return group;
 }
 
-class Joiner {
- public:
-  Joiner(const Workspace& workspace, const Catalog& catalog)
-      : workspace_(workspace), catalog_(catalog), range_size_(range_size(catalog)) {}
-
-  std::vector<TriangleGroup> run() {
-    request();
-    answer();
-    return std::move(groups_);
+// The corners of all triangles, sorted by the vertices that they name.
+std::vector<std::uint64_t> sorted_corners(const Workspace& workspace, const Catalog& catalog,
+                                          const GroupTask& task, std::uint64_t& first_number) {
+  std::size_t count = 0;
+  for (std::uint64_t i = task.begin; i < task.end; ++i) count += catalog.triangle_blocks[i].count;
+  std::vector<std::uint64_t> keys;
+  keys.reserve(3 * count);
+  for (std::uint64_t i = task.begin; i < task.end; ++i) {
+    const TriangleBlockRef& block = catalog.triangle_blocks[i];
+    const Bytes bytes = workspace.reader.read(block.record);
+    for (const mesh::Triangle& t : ByteReader(bytes).get_array<mesh::Triangle>(block.count))
+      for (const auto v : t) keys.push_back(block.first_vertex + v);
   }
+  const auto [least, most] = std::minmax_element(keys.begin(), keys.end());
+  first_number = *least;
+  const auto bits = static_cast<int>(std::bit_width(*most - *least));
+  COLOSSUS_CHECK(bits + kCornerBits <= 64, "{} vertices", catalog.counts.vertices);
+  for (std::size_t corner = 0; corner < keys.size(); ++corner)
+    keys[corner] = (keys[corner] - first_number) << kCornerBits | corner;
+  radix_sort(keys, kCornerBits, kCornerBits + bits);
+  return keys;
+}
 
- private:
-  void request() {
-    const std::vector<std::size_t> begins = group_begins(catalog_);
-    groups_.resize(workspace_.ranks.is_root() ? begins.size() - 1 : 0);
-    run_phase(
-        workspace_, "requests", begins.size() - 1,
-        [&](std::size_t i) {
-          ByteWriter writer;
-          writer.put(GroupTask{begins[i], begins[i + 1]});
-          return writer.take();
-        },
-        [&](std::span<const std::byte> task) {
-          return group_task(make_group(ByteReader(task).get<GroupTask>()));
-        },
-        [&](std::size_t i, const Bytes& result) { groups_[i] = read_group(result); });
-  }
-
-  // The corners of all triangles, sorted by the vertices that they name.
-  std::vector<std::uint64_t> sorted_corners(const GroupTask& task, std::uint64_t& first_number) const {
-    std::size_t count = 0;
-    for (std::uint64_t i = task.begin; i < task.end; ++i) count += catalog_.triangle_blocks[i].count;
-    std::vector<std::uint64_t> keys;
-    keys.reserve(3 * count);
-    for (std::uint64_t i = task.begin; i < task.end; ++i) {
-      const TriangleBlockRef& block = catalog_.triangle_blocks[i];
-      const Bytes bytes = workspace_.reader.read(block.record);
-      for (const mesh::Triangle& t : ByteReader(bytes).get_array<mesh::Triangle>(block.count))
-        for (const auto v : t) keys.push_back(block.first_vertex + v);
-    }
-    const auto [least, most] = std::minmax_element(keys.begin(), keys.end());
-    first_number = *least;
-    const auto bits = static_cast<int>(std::bit_width(*most - *least));
-    COLOSSUS_CHECK(bits + kCornerBits <= 64, "{} vertices", catalog_.counts.vertices);
-    for (std::size_t corner = 0; corner < keys.size(); ++corner)
-      keys[corner] = (keys[corner] - first_number) << kCornerBits | corner;
-    radix_sort(keys, kCornerBits, kCornerBits + bits);
-    return keys;
-  }
-
-  TriangleGroup make_group(const GroupTask& task) const {
-    std::uint64_t first_number = 0;
-    const std::vector<std::uint64_t> corners = sorted_corners(task, first_number);
-    std::vector<mesh::Triangle> triangles(corners.size() / 3);
-    TriangleGroup group;
-    std::vector<std::uint32_t> offsets;  // of the range at hand
-    const auto finish_range = [&] {
-      if (offsets.empty()) return;
-      group.slices.back().count = static_cast<std::uint32_t>(offsets.size());
-      group.slices.back().record =
-          workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kRequest), core::as_bytes(offsets));
-      offsets.clear();
-    };
-    std::uint32_t index = 0;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const std::uint64_t number = first_number + (corners[i] >> kCornerBits);
-      if (i == 0 || corners[i] >> kCornerBits != corners[i - 1] >> kCornerBits) {
-        if (i > 0) ++index;
-        const auto range = static_cast<std::uint32_t>(number / range_size_);
-        if (group.slices.empty() || group.slices.back().range != range) {
-          finish_range();
-          group.slices.push_back({range, 0, {}});
-        }
-        offsets.push_back(static_cast<std::uint32_t>(number % range_size_));
+TriangleGroup make_group(const Workspace& workspace, const Catalog& catalog, const GroupTask& task) {
+  const std::uint64_t size = range_size(catalog);
+  std::uint64_t first_number = 0;
+  const std::vector<std::uint64_t> corners = sorted_corners(workspace, catalog, task, first_number);
+  std::vector<mesh::Triangle> triangles(corners.size() / 3);
+  TriangleGroup group;
+  std::vector<std::uint32_t> offsets;  // of the range at hand
+  const auto finish_range = [&] {
+    if (offsets.empty()) return;
+    group.slices.back().count = static_cast<std::uint32_t>(offsets.size());
+    group.slices.back().record =
+        workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kRequest), core::as_bytes(offsets));
+    offsets.clear();
+  };
+  std::uint32_t index = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::uint64_t number = first_number + (corners[i] >> kCornerBits);
+    if (i == 0 || corners[i] >> kCornerBits != corners[i - 1] >> kCornerBits) {
+      if (i > 0) ++index;
+      const auto range = static_cast<std::uint32_t>(number / size);
+      if (group.slices.empty() || group.slices.back().range != range) {
+        finish_range();
+        group.slices.push_back({range, 0, {}});
       }
-      const std::uint64_t corner = corners[i] & ((std::uint64_t{1} << kCornerBits) - 1);
-      triangles[corner / 3][corner % 3] = index;
+      offsets.push_back(static_cast<std::uint32_t>(number % size));
     }
-    finish_range();
-    group.triangle_count = triangles.size();
-    workspace_.reporter.add_triangles(group.triangle_count);
-    group.triangles = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kGroupTriangles),
-                                               core::as_bytes(triangles));
-    return group;
+    const std::uint64_t corner = corners[i] & ((std::uint64_t{1} << kCornerBits) - 1);
+    triangles[corner / 3][corner % 3] = index;
   }
+  finish_range();
+  group.triangle_count = triangles.size();
+  workspace.reporter.add_triangles(group.triangle_count);
+  group.triangles = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kGroupTriangles),
+                                            core::as_bytes(triangles));
+  return group;
+}
 
-  // One task per range that is asked for.
-  void answer() {
-    struct Asker {
-      std::uint32_t group;
-      std::uint32_t slice;
-    };
-    std::vector<std::vector<Asker>> askers(catalog_.counts.vertices / range_size_ + 1);
-    for (std::uint32_t g = 0; g < groups_.size(); ++g)
-      for (std::uint32_t s = 0; s < groups_[g].slices.size(); ++s)
-        askers[groups_[g].slices[s].range].push_back({g, s});
-    std::vector<std::uint64_t> ranges;
-    for (std::uint64_t r = 0; r < askers.size(); ++r)
-      if (!askers[r].empty()) ranges.push_back(r);
-    run_phase(
-        workspace_, "answers", ranges.size(),
-        [&](std::size_t i) {
-          ByteWriter writer;
-          writer.put(ranges[i]);
-          for (const Asker& asker : askers[ranges[i]]) writer.put(groups_[asker.group].slices[asker.slice]);
-          return writer.take();
-        },
-        [&](std::span<const std::byte> task) { return answer_range(task); },
-        [&](std::size_t i, const Bytes& result) {
-          ByteReader reader(result);
-          for (const Asker& asker : askers[ranges[i]])
-            groups_[asker.group].slices[asker.slice].record = reader.get<scratch::RecordRef>();
-          COLOSSUS_CHECK(!reader.failed());
-        });
-  }
-
-  Bytes answer_range(std::span<const std::byte> task) const {
-    ByteReader reader(task);
-    const auto range = reader.get<std::uint64_t>();
-    const std::vector<mesh::Vertex> vertices = load_range(range);
-    ByteWriter answers;
-    while (reader.remaining() > 0) {
-      const auto slice = reader.get<VertexSlice>();
-      COLOSSUS_CHECK(!reader.failed());
-      const Bytes offsets = workspace_.reader.read(slice.record);
-      PackedVertices packed(catalog_, slice.count);
-      for (const auto offset : ByteReader(offsets).get_array<std::uint32_t>(slice.count))
-        packed.add(vertices.at(offset));
-      answers.put(workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kAnswer),
-                                           {offsets, packed.positions(), packed.normals(), packed.colors()}));
-    }
-    return answers.take();
-  }
-
-  std::vector<mesh::Vertex> load_range(std::uint64_t range) const {
-    const std::uint64_t begin = range * range_size_;
-    const std::uint64_t end = std::min(begin + range_size_, catalog_.counts.vertices);
-    std::vector<mesh::Vertex> vertices;
-    vertices.reserve(end - begin);
-    const auto& blocks = catalog_.vertex_blocks;
-    auto block = std::partition_point(blocks.begin(), blocks.end(),
-                                      [&](const VertexBlockRef& b) { return b.first + b.count <= begin; });
-    for (; block != blocks.end() && block->first < end; ++block) append_block(*block, begin, end, vertices);
-    return vertices;
-  }
-
-  void append_block(const VertexBlockRef& block, std::uint64_t begin, std::uint64_t end,
-                    std::vector<mesh::Vertex>& vertices) const {
-    const Bytes raw = workspace_.reader.read(block.record);
+// Calls visit(first, positions, normals, colors) for the blocks of a range of vertices, the arrays being those
+// of the vertices `first`, `first` + 1 ... of the range.
+template <typename Visit>
+void visit_range(const Workspace& workspace, const Catalog& catalog, std::uint64_t range,
+                 const Visit& visit) {
+  const std::uint64_t begin = range * range_size(catalog);
+  const std::uint64_t end = std::min(begin + range_size(catalog), catalog.counts.vertices);
+  const auto& blocks = catalog.vertex_blocks;
+  auto block = std::partition_point(blocks.begin(), blocks.end(),
+                                    [&](const VertexBlockRef& b) { return b.first + b.count <= begin; });
+  for (; block != blocks.end() && block->first < end; ++block) {
+    const Bytes raw = workspace.reader.read(block->record);
     ByteReader reader(raw);
     const auto present = reader.get<std::array<std::uint64_t, 2>>();
-    const auto positions = reader.get_array<std::array<double, 3>>(block.count);
-    const auto normals = reader.get_array<std::array<float, 3>>(present[0] != 0 ? block.count : 0);
-    const auto colors = reader.get_array<mesh::Color>(present[1] != 0 ? block.count : 0);
+    const auto positions = reader.get_array<std::array<double, 3>>(block->count);
+    const auto normals = reader.get_array<std::array<float, 3>>(present[0] != 0 ? block->count : 0);
+    const auto colors = reader.get_array<mesh::Color>(present[1] != 0 ? block->count : 0);
     COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
-    const std::size_t last = std::min<std::uint64_t>(block.count, end - block.first);
-    for (std::size_t i = begin > block.first ? begin - block.first : 0; i < last; ++i) {
-      mesh::Vertex v;
-      v.position = catalog_.lattice.input_vertex(positions[i]);
-      v.normal = {0, 0, 0};
-      if (!normals.empty() && (normals[i][0] != 0.0F || normals[i][1] != 0.0F || normals[i][2] != 0.0F))
-        v.normal = geometry::to_normal16(normals[i][0], normals[i][1], normals[i][2]);
-      if (!colors.empty()) v.color = colors[i];
-      vertices.push_back(v);
-    }
+    const std::size_t from = begin > block->first ? begin - block->first : 0;
+    const std::size_t to = std::min<std::uint64_t>(block->count, end - block->first);
+    const auto part = [&](const auto& values) {
+      return values.empty() ? std::span(values) : std::span(values).subspan(from, to - from);
+    };
+    visit(block->first + from - begin, part(positions), part(normals), part(colors));
   }
+}
 
-  const Workspace& workspace_;
-  const Catalog& catalog_;
-  std::uint64_t range_size_;
-  std::vector<TriangleGroup> groups_;  // on rank 0
+// The vertices of a range that are asked for.
+class RequestedOffsets {
+ public:
+  RequestedOffsets(const Workspace& workspace, const Catalog& catalog, std::span<const std::byte> task)
+      : is_used_(range_size(catalog), false) {
+    ByteReader reader(task);
+    range_ = reader.get<std::uint64_t>();
+    while (reader.remaining() > 0) {
+      const auto slice = reader.get<VertexSlice>();
+      const Bytes bytes = workspace.reader.read(slice.record);
+      offsets_.push_back(ByteReader(bytes).get_array<std::uint32_t>(slice.count));
+      for (const auto offset : offsets_.back()) is_used_.at(offset) = true;
+    }
+    COLOSSUS_CHECK(!reader.failed());
+  }
+  std::uint64_t range() const { return range_; }
+  // By slice of the task.
+  const std::vector<std::vector<std::uint32_t>>& offsets() const { return offsets_; }
+  bool has(std::size_t offset) const { return is_used_[offset]; }
+
+ private:
+  std::uint64_t range_ = 0;
+  std::vector<std::vector<std::uint32_t>> offsets_;
+  std::vector<bool> is_used_;
 };
+
+// The vertices of a range on the lattice; of those that nobody asks for nothing is known.
+std::vector<mesh::Vertex> load_range(const Workspace& workspace, const Catalog& catalog,
+                                     const RequestedOffsets& requested) {
+  std::vector<mesh::Vertex> vertices;
+  visit_range(workspace, catalog, requested.range(),
+              [&](std::size_t first, const auto& positions, const auto& normals, const auto& colors) {
+                vertices.resize(first + positions.size());
+                for (std::size_t i = 0; i < positions.size(); ++i) {
+                  if (!requested.has(first + i)) continue;
+                  mesh::Vertex& v = vertices[first + i];
+                  v.position = catalog.lattice.input_vertex(positions[i]);
+                  v.fingerprint = fingerprint_of(positions[i]);
+                  v.normal = {0, 0, 0};
+                  if (!normals.empty() &&
+                      (normals[i][0] != 0.0F || normals[i][1] != 0.0F || normals[i][2] != 0.0F))
+                    v.normal = geometry::to_normal16(normals[i][0], normals[i][1], normals[i][2]);
+                  if (!colors.empty()) v.color = colors[i];
+                }
+              });
+  return vertices;
+}
+
+Bytes answer_range(const Workspace& workspace, const Catalog& catalog, std::span<const std::byte> task) {
+  const RequestedOffsets requested(workspace, catalog, task);
+  const std::vector<mesh::Vertex> vertices = load_range(workspace, catalog, requested);
+  ByteWriter answers;
+  for (const std::vector<std::uint32_t>& offsets : requested.offsets()) {
+    PackedVertices packed(catalog, offsets.size());
+    for (const auto offset : offsets) packed.add(vertices.at(offset));
+    answers.put(workspace.writer.append(
+        static_cast<std::uint32_t>(RecordKind::kAnswer),
+        {core::as_bytes(offsets), packed.positions(), packed.normals(), packed.colors()}));
+  }
+  return answers.take();
+}
 
 }  // namespace
 
-std::vector<TriangleGroup> join_vertices(const Workspace& workspace, const Catalog& catalog) {
-  return Joiner(workspace, catalog).run();
+RequestedRanges::RequestedRanges(const Catalog& catalog, const std::vector<TriangleGroup>& groups)
+    : groups_(groups) {
+  std::vector<std::vector<Asker>> by_range(catalog.counts.vertices / range_size(catalog) + 1);
+  for (std::uint32_t g = 0; g < groups.size(); ++g)
+    for (std::uint32_t s = 0; s < groups[g].slices.size(); ++s)
+      by_range[groups[g].slices[s].range].push_back({g, s});
+  for (std::uint64_t r = 0; r < by_range.size(); ++r) {
+    if (by_range[r].empty()) continue;
+    ranges_.push_back(r);
+    askers_.push_back(std::move(by_range[r]));
+  }
+}
+
+Bytes RequestedRanges::task(std::size_t i) const {
+  ByteWriter writer;
+  writer.put(ranges_[i]);
+  for (const Asker& asker : askers_[i]) writer.put(groups_[asker.group].slices[asker.slice]);
+  return writer.take();
+}
+
+std::vector<VertexSlice*> RequestedRanges::slices(std::size_t i, std::vector<TriangleGroup>& groups) const {
+  std::vector<VertexSlice*> slices;
+  for (const Asker& asker : askers_[i]) slices.push_back(&groups[asker.group].slices[asker.slice]);
+  return slices;
+}
+
+void visit_requested(const Workspace& workspace, const Catalog& catalog, std::span<const std::byte> task,
+                     const std::function<void(std::uint64_t, const std::array<double, 3>&)>& visit) {
+  const RequestedOffsets requested(workspace, catalog, task);
+  const std::uint64_t begin = requested.range() * range_size(catalog);
+  visit_range(workspace, catalog, requested.range(),
+              [&](std::size_t first, const auto& positions, const auto&, const auto&) {
+                for (std::size_t i = 0; i < positions.size(); ++i)
+                  if (requested.has(first + i)) visit(begin + first + i, positions[i]);
+              });
+}
+
+std::vector<TriangleGroup> request_vertices(const Workspace& workspace, const Catalog& catalog) {
+  const std::vector<std::size_t> begins = group_begins(catalog);
+  std::vector<TriangleGroup> groups(workspace.ranks.is_root() ? begins.size() - 1 : 0);
+  run_phase(
+      workspace, "requests", begins.size() - 1,
+      [&](std::size_t i) {
+        ByteWriter writer;
+        writer.put(GroupTask{begins[i], begins[i + 1]});
+        return writer.take();
+      },
+      [&](std::span<const std::byte> task) {
+        return group_task(make_group(workspace, catalog, ByteReader(task).get<GroupTask>()));
+      },
+      [&](std::size_t i, const Bytes& result) { groups[i] = read_group(result); });
+  return groups;
+}
+
+void answer_requests(const Workspace& workspace, const Catalog& catalog, std::vector<TriangleGroup>& groups) {
+  const RequestedRanges ranges(catalog, groups);
+  // Results overwrite the requests that later tasks are made of, so they are kept until all are there.
+  std::vector<std::vector<scratch::RecordRef>> answers(ranges.size());
+  run_phase(
+      workspace, "answers", ranges.size(), [&](std::size_t i) { return ranges.task(i); },
+      [&](std::span<const std::byte> task) { return answer_range(workspace, catalog, task); },
+      [&](std::size_t i, const Bytes& result) {
+        answers[i] = ByteReader(result).get_array<scratch::RecordRef>(result.size() /
+                                                                      sizeof(scratch::RecordRef));
+      });
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const std::vector<VertexSlice*> slices = ranges.slices(i, groups);
+    COLOSSUS_CHECK(slices.size() == answers[i].size());
+    for (std::size_t k = 0; k < slices.size(); ++k) slices[k]->record = answers[i][k];
+  }
 }
 
 Bytes group_task(const TriangleGroup& group) {

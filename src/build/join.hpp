@@ -7,6 +7,7 @@
 // to do with that of the vertices cost more and smaller records, but no more memory.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -28,10 +29,37 @@ struct TriangleGroup {
   std::vector<VertexSlice> slices;
 };
 
-// Joins the triangles of the catalogue, whose lattice is set, to their vertices. The groups are in the order
-// of the input's faces, on rank 0 only: 32 bytes for each group and range that it uses. Neither groups nor
-// ranges depend on the ranks or on memory. Some 100 MB at most on any rank. Collective.
-std::vector<TriangleGroup> join_vertices(const Workspace& workspace, const Catalog& catalog);
+// First step: the groups with their requests. They are in the order of the input's faces, on rank 0 only: 32
+// bytes for each group and range that it uses. Neither groups nor ranges depend on the ranks or on memory.
+// Some 100 MB at most on any rank. Collective.
+std::vector<TriangleGroup> request_vertices(const Workspace& workspace, const Catalog& catalog);
+
+// Second step, once the lattice is set: requests become answers. Collective.
+void answer_requests(const Workspace& workspace, const Catalog& catalog, std::vector<TriangleGroup>& groups);
+
+// The ranges that groups ask for, each as a task of a phase between the steps: on rank 0.
+class RequestedRanges {
+ public:
+  RequestedRanges(const Catalog& catalog, const std::vector<TriangleGroup>& groups);
+  std::size_t size() const { return ranges_.size(); }
+  core::Bytes task(std::size_t i) const;
+  // The slices of task i, in its order.
+  std::vector<VertexSlice*> slices(std::size_t i, std::vector<TriangleGroup>& groups) const;
+
+ private:
+  struct Asker {
+    std::uint32_t group;
+    std::uint32_t slice;
+  };
+  const std::vector<TriangleGroup>& groups_;
+  std::vector<std::uint64_t> ranges_;
+  std::vector<std::vector<Asker>> askers_;  // by task
+};
+
+// Calls visit(number, position) for the vertices that the groups of such a task use, ascending by number over
+// all files. Not collective.
+void visit_requested(const Workspace& workspace, const Catalog& catalog, std::span<const std::byte> task,
+                     const std::function<void(std::uint64_t, const std::array<double, 3>&)>& visit);
 
 // Of a group as a task.
 core::Bytes group_task(const TriangleGroup& group);

@@ -28,13 +28,16 @@ struct Count {
 struct Counter {
   std::unordered_map<std::uint32_t, std::uint32_t> counts;
 
-  void add(const VertexBlockRef& block, const Workspace& workspace, const geometry::Lattice& lattice) {
+  void add(const VertexBlockRef& block, const Workspace& workspace, const geometry::Lattice& lattice,
+           const geometry::Bounds& bounds) {
     const Bytes raw = workspace.reader.read(block.record);
     ByteReader reader(raw);
     reader.get<std::array<std::uint64_t, 2>>();
     std::uint32_t last_key = 0;
     std::uint32_t* last = nullptr;
     for (const auto& position : reader.get_array<std::array<double, 3>>(block.count)) {
+      // Only vertices that no triangle uses lie outside.
+      if (!bounds.contains(position)) continue;
       const geometry::Point p = lattice.input_vertex(position);
       std::array<std::uint8_t, 3> at;
       for (std::size_t axis = 0; axis < 3; ++axis)
@@ -106,7 +109,7 @@ Occupancy count_occupancy(const Workspace& workspace, const Catalog& catalog) {
         const auto end = reader.get<std::uint64_t>();
         Counter counter;
         for (std::uint64_t i = begin; i < end; ++i)
-          counter.add(catalog.vertex_blocks[i], workspace, catalog.lattice);
+          counter.add(catalog.vertex_blocks[i], workspace, catalog.lattice, catalog.bounds);
         ByteWriter writer;
         for (const auto& [key, vertices] : counter.counts) writer.put(Count{key, vertices});
         return writer.take();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "build/fingerprint.hpp"
+
 namespace colossus::build {
 namespace {
 
@@ -29,7 +31,7 @@ PackedVertices::PackedVertices(const Catalog& catalog, std::size_t count)
 }
 
 void PackedVertices::add(const mesh::Vertex& v) {
-  positions_.push_back(v.position);
+  positions_.push_back(with_fingerprint(v.position, v.fingerprint));
   if (has_normals_) normals_.push_back(v.normal);
   if (has_colors_) colors_.push_back(v.color);
 }
@@ -42,7 +44,7 @@ void PackedVertices::read(const Catalog& catalog, ByteReader& reader, std::uint6
   COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
   for (std::size_t i = 0; i < count; ++i) {
     mesh::Vertex v;
-    v.position = positions[i];
+    take_apart(positions[i], v);
     v.normal = catalog.has_normals ? normals[i] : mesh::Normal16{0, 0, 0};
     if (catalog.has_colors) v.color = colors[i];
     vertices.push_back(v);

@@ -9,8 +9,9 @@
 
 namespace colossus::build {
 
-// Vertices as they lie in scratch: without the attributes that no file of the input has. 12 to 22 bytes each.
-// As everywhere before the attributes phase, the normal is {0, 0, 0} where none was read.
+// Vertices as they lie in scratch: without the attributes that no file of the input has. 12 to 22 bytes each,
+// the fingerprint within the 12 of the position (build/fingerprint.hpp). As everywhere before the attributes
+// phase, the normal is {0, 0, 0} where none was read.
 class PackedVertices {
  public:
   PackedVertices(const Catalog& catalog, std::size_t count);
@@ -26,7 +27,7 @@ class PackedVertices {
  private:
   bool has_normals_;
   bool has_colors_;
-  std::vector<mesh::Point> positions_;
+  std::vector<mesh::Point> positions_;  // with_fingerprint()
   std::vector<mesh::Normal16> normals_;
   std::vector<mesh::Color> colors_;
 };

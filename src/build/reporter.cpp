@@ -60,6 +60,7 @@ ordered_json options_json(const BuildOptions& options) {
                     {"position_bits", options.position_bits},
                     {"codec", options.codec},
                     {"drop_textures", options.drop_textures},
+                    {"keep_outliers", options.keep_outliers},
                     {"color_weight", options.color_weight}};
   if (options.tolerance) json["tolerance"] = *options.tolerance;
   if (options.levels) json["levels"] = *options.levels;
@@ -73,9 +74,13 @@ ordered_json counts_json(const InputCounts& c) {
           {"polygons", c.polygons},
           {"small_faces", c.small_faces},
           {"degenerate", c.degenerate},
+          {"collapsed", c.collapsed},
           {"duplicate", c.duplicate},
+          {"opposite", c.opposite},
+          {"collinear", c.collinear},
           {"border_edges", c.border_edges},
           {"nonmanifold_edges", c.nonmanifold_edges},
+          {"inconsistent_edges", c.inconsistent_edges},
           {"split_edges", c.split_edges},
           {"merged_vertices", c.merged_vertices},
           {"attribute_seams", c.attribute_seams}};

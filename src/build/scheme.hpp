@@ -8,6 +8,7 @@
 
 #include "build/catalog.hpp"
 #include "build/hierarchy.hpp"
+#include "build/join.hpp"
 #include "build/workspace.hpp"
 
 namespace colossus::build {
@@ -16,9 +17,9 @@ struct Scheme {
   const char* name;
   // Throws Error(kUsage) for options that make no sense for it. Not collective.
   void (*check)(const BuildOptions& options);
-  // Collective. From vertices on the lattice and triangles in scratch to finished nodes in scratch; completes
-  // the catalogue's counts.
-  Hierarchy (*build)(const Workspace& workspace, Catalog& catalog);
+  // Collective. From groups of triangles with vertices on the lattice to finished nodes, all in scratch;
+  // completes the catalogue's counts and area.
+  Hierarchy (*build)(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>&& groups);
 };
 
 // All of them, the default one first.

@@ -68,7 +68,6 @@ class DistinctCounter {
 };
 
 struct PartCounts {
-  geometry::Bounds bounds;
   std::uint64_t polygons = 0;
   std::uint64_t small_faces = 0;
   std::uint64_t block_vertices = 0;
@@ -82,7 +81,6 @@ class ScratchSink : public input::BlockSink {
 
   void vertices(std::uint64_t first, input::VertexBlock&& block) override {
     cluster::throw_if_stop_requested();
-    for (const auto& p : block.positions) counts.bounds.add(p);
     VertexBlockRef ref;
     ref.file = file_;
     ref.count = static_cast<std::uint32_t>(block.positions.size());
@@ -218,10 +216,6 @@ class Survey {
   void take_part(std::uint32_t file, const Bytes& result) {
     ByteReader reader(result);
     const auto part = reader.get<PartCounts>();
-    if (!part.bounds.is_empty()) {
-      catalog_.bounds.add(part.bounds.low);
-      catalog_.bounds.add(part.bounds.high);
-    }
     catalog_.counts.polygons += part.polygons;
     catalog_.counts.small_faces += part.small_faces;
     catalog_.block_vertices += part.block_vertices;
@@ -275,7 +269,6 @@ class Survey {
   void share() {
     broadcast_values(workspace_.ranks, catalog_.vertex_blocks);
     broadcast_values(workspace_.ranks, catalog_.triangle_blocks);
-    broadcast_value(workspace_.ranks, catalog_.bounds);
     broadcast_value(workspace_.ranks, catalog_.counts);
     if (catalog_.counts.triangles == 0)
       throw cluster::AgreedError(

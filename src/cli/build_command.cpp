@@ -60,6 +60,8 @@ void add_build(CLI::App& app, Action& chosen) {
       ->capture_default_str();
   command->add_flag("--drop-textures", options->drop_textures,
                     "Accept texture coordinates and materials, and drop them");
+  command->add_flag("--keep-outliers", options->keep_outliers,
+                    "Go on although a few far corners make the lattice coarser than the triangles");
   command->add_option(
       "--memory", options->memory,
       "Most memory per rank, e.g. 512M or 2G, at least 256M; default: its share of the host's");

@@ -1,6 +1,7 @@
 #include "codec/places.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "core/hash.hpp"
 
@@ -18,6 +19,20 @@ bool share_face(const Weights& a, const Weights& b) {
   for (std::size_t corner = 0; corner < 4; ++corner)
     if (a[corner] == 0 && b[corner] == 0) return true;
   return false;
+}
+
+std::vector<std::uint32_t> first_at_place(const std::vector<Weights>& weights) {
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  const std::size_t slots = std::bit_ceil(weights.size() * 2 + 1);
+  std::vector<std::uint32_t> table(slots, kNone);
+  std::vector<std::uint32_t> first(weights.size());
+  for (std::uint32_t v = 0; v < weights.size(); ++v) {
+    std::size_t slot = WeightsHash{}(weights[v]) & (slots - 1);
+    while (table[slot] != kNone && weights[table[slot]] != weights[v]) slot = (slot + 1) & (slots - 1);
+    if (table[slot] == kNone) table[slot] = v;
+    first[v] = table[slot];
+  }
+  return first;
 }
 
 bool step_aside(std::uint32_t v, std::vector<Weights>& weights, Places& places) {

@@ -22,6 +22,9 @@ std::size_t face_count(const Weights& weights);
 // Whether there is a face that both places lie on.
 bool share_face(const Weights& a, const Weights& b);
 
+// For each vertex the first one with the same weights. Linear.
+std::vector<std::uint32_t> first_at_place(const std::vector<Weights>& weights);
+
 // Moves vertex v by as few units as it takes, at most 8, to a place that none of `places` is, and notes it
 // there; weights that are 0 stay 0, and no others become 0. False when there is no such place. The first one
 // in the order of the corners, so that both sides of a face choose the same.

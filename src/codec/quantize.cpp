@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <map>
+#include <numeric>
 
+#include "codec/lost.hpp"
 #include "codec/pinches.hpp"
+#include "codec/places.hpp"
 #include "codec/polylines.hpp"
 #include "codec/renumber.hpp"
 #include "core/error.hpp"
@@ -21,10 +24,11 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
 
 bool has_equal_corners(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// Merges vertices that fall together within a triangle, and drops what that makes degenerate.
+// Merges vertices that fall together within a triangle, and moves what that makes degenerate to `lost`.
 // Returns the vertex that each has become.
 std::vector<std::uint32_t> merge_fallen_together(std::vector<Triangle>& triangles,
-                                                 const std::vector<Weights>& weights) {
+                                                 const std::vector<Weights>& weights,
+                                                 std::vector<Triangle>& lost) {
   std::vector<std::uint32_t> parents(weights.size());
   for (std::uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
   for (const Triangle& t : triangles)
@@ -35,32 +39,11 @@ std::vector<std::uint32_t> merge_fallen_together(std::vector<Triangle>& triangle
     }
   for (Triangle& t : triangles)
     for (auto& v : t) v = find_root(parents, v);
+  for (const Triangle& t : triangles)
+    if (has_equal_corners(t)) lost.push_back(t);
   std::erase_if(triangles, has_equal_corners);
   for (std::uint32_t v = 0; v < parents.size(); ++v) parents[v] = find_root(parents, v);
   return parents;
-}
-
-// Removes pairs of triangles with the same corners in opposite order: together they bound nothing.
-void cancel_opposites(std::vector<Triangle>& triangles, std::size_t vertex_count) {
-  const std::vector<std::uint32_t> first = mesh::first_with_same_corners(triangles, vertex_count);
-  // Of groups of several triangles, those that look one way and wait for one that looks the other way.
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> waiting;
-  std::vector<bool> is_cancelled(triangles.size(), false);
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (first[i] == i) continue;
-    auto& group = waiting.try_emplace(first[i], 1, first[i]).first->second;
-    if (group.empty() || mesh::has_same_orientation(triangles[group.back()], triangles[i])) {
-      group.push_back(i);
-    } else {
-      is_cancelled[group.back()] = is_cancelled[i] = true;
-      group.pop_back();
-    }
-  }
-  if (waiting.empty()) return;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    if (!is_cancelled[i]) triangles[kept++] = triangles[i];
-  triangles.resize(kept);
 }
 
 double moved_by(const Weights& weights, const geometry::Point& from,
@@ -115,22 +98,43 @@ Quantized quantize(mesh::Mesh mesh, const hierarchy::Tetrahedron& tetrahedron, s
   const double scale = 1.0 / static_cast<double>(std::int64_t{1} << options.position_bits);
   Quantized result;
   std::vector<Weights> weights;
+  weights.reserve(mesh.vertices.size());
   for (const mesh::Vertex& vertex : mesh.vertices)
     weights.push_back(barycentric.weights(vertex.position, options.position_bits));
   settle_polylines(mesh, weights);
   std::vector<mesh::Vertex>& vertices = mesh.vertices;
   std::vector<Triangle>& triangles = mesh.triangles;
-  std::vector<std::uint32_t> roots = merge_fallen_together(triangles, weights);
-  cancel_opposites(triangles, vertices.size());
-  separate_edges(triangles, weights);
-  std::vector<bool> is_merged(vertices.size(), false);
-  for (std::uint32_t v = 0; v < roots.size(); ++v)
-    if (roots[v] != v) is_merged[roots[v]] = true;
-  split_edges(vertices, triangles, weights, is_merged);
-  for (auto v = static_cast<std::uint32_t>(roots.size()); v < vertices.size(); ++v) roots.push_back(v);
+  std::vector<std::uint32_t> roots(vertices.size());
+  std::iota(roots.begin(), roots.end(), 0U);
+  double beyond = 0.0;
+  const std::vector<std::uint32_t> welded = first_at_place(weights);
+  result.has_shared_places = welded != roots;
+  if (result.has_shared_places) {
+    std::vector<Triangle> lost;
+    roots = merge_fallen_together(triangles, weights, lost);
+    // Before fins go: what lies on one of these is no farther from the rest than the fin.
+    std::vector<Triangle> to_revive = uncovered(lost, welded, triangles);
+    beyond = take_out_pairs(tetrahedron, options.position_bits, weights, triangles, to_revive);
+    separate_edges(triangles, weights);
+    std::vector<bool> is_merged(vertices.size(), false);
+    for (std::uint32_t v = 0; v < roots.size(); ++v)
+      if (roots[v] != v) is_merged[roots[v]] = true;
+    split_edges(vertices, triangles, weights, is_merged);
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    const std::vector<std::uint32_t> copied = revive(to_revive, vertices, triangles, weights);
+    // A copy stands for all that had come to its original's place.
+    std::multimap<std::uint32_t, std::uint32_t> copies;
+    for (std::uint32_t i = 0; i < copied.size(); ++i) copies.emplace(welded[copied[i]], first + i);
+    for (std::size_t v = 0; v < welded.size() && !copies.empty(); ++v)
+      for (auto [copy, end] = copies.equal_range(welded[v]); copy != end; ++copy)
+        result.displacement = std::max(
+            result.displacement, moved_by(weights[copy->second], vertices[v].position, tetrahedron, scale));
+    for (auto v = static_cast<std::uint32_t>(roots.size()); v < vertices.size(); ++v) roots.push_back(v);
+  }
   for (std::size_t v = 0; v < weights.size(); ++v)
     result.displacement =
         std::max(result.displacement, moved_by(weights[roots[v]], vertices[v].position, tetrahedron, scale));
+  result.displacement += beyond;
   QuantizedTetrahedron& out = result.tetrahedron;
   out.place = place;
   out.frame = frame_of(tetrahedron);

@@ -29,7 +29,7 @@ Lattice Lattice::fit(const Bounds& bounds) {
   }
   // Nothing is gained below the spacing of the input's doubles; the least exponent is for a mesh of one
   // point.
-  int exponent = -900;
+  int exponent = -1000;
   if (extent > 0.0)
     exponent = std::max(exponent, static_cast<int>(std::ceil(std::log2(extent / (kCells * kMostFilled)))));
   while (std::ldexp(kCells * kMostFilled, exponent) < extent) ++exponent;

@@ -58,6 +58,23 @@ struct Bounds {
                              -std::numeric_limits<double>::infinity(),
                              -std::numeric_limits<double>::infinity()};
   bool is_empty() const { return low[0] > high[0]; }
+  bool contains(const std::array<double, 3>& p) const {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (!(p[axis] >= low[axis] && p[axis] <= high[axis])) return false;
+    return true;
+  }
+  // The longest side; 0 when empty. Infinite where the difference is beyond a double.
+  double extent() const {
+    double longest = 0.0;
+    for (std::size_t axis = 0; axis < 3 && !is_empty(); ++axis)
+      longest = std::max(longest, high[axis] - low[axis]);
+    return longest;
+  }
+  void merge(const Bounds& other) {
+    if (other.is_empty()) return;
+    add(other.low);
+    add(other.high);
+  }
   void add(const std::array<double, 3>& p) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = std::min(low[axis], p[axis]);

@@ -62,7 +62,7 @@ class Splitter {
 
   void emit(std::size_t half, const Triangle& t) {
     const auto& v = halves_[half].vertices;
-    if (!is_degenerate(v[t[0]].position, v[t[1]].position, v[t[2]].position))
+    if (v[t[0]].position != v[t[1]].position || v[t[1]].position != v[t[2]].position)
       halves_[half].triangles.push_back(t);
   }
 

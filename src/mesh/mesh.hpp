@@ -20,7 +20,9 @@ using Triangle = std::array<std::uint32_t, 3>;
 struct Vertex {
   Point position;
   Normal16 normal{0, 0, 32767};
-  std::uint16_t padding = 0;  // written to scratch, so never indeterminate
+  // Of the position as it was read, which the lattice may have moved onto another one; 0 once that does not
+  // matter any more. See build/fingerprint.hpp.
+  std::uint16_t fingerprint = 0;
   Color color{255, 255, 255, 255};
   friend bool operator==(const Vertex&, const Vertex&) = default;
 };

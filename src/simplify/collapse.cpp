@@ -11,6 +11,7 @@
 #include "geometry/quadric.hpp"
 #include "mesh/adjacency.hpp"
 #include "simplify/candidates.hpp"
+#include "simplify/components.hpp"
 #include "simplify/deviation.hpp"
 #include "simplify/merged_box.hpp"
 #include "simplify/seams.hpp"
@@ -439,6 +440,12 @@ class Collapser {
     const Deviation deviation = measure_deviation(before_, region_.mesh, region_.cells,
                                                   outcome.representative, has_border, region_.samples);
     outcome.deviation = deviation.estimate();
+    // With the margin of all that is measured at some places only: what rests on a component now may have to rest
+    // on another one later.
+    const double limit = std::max(outcome.deviation, region_.known_error) / kDeviationMargin;
+    const double dropped =
+        drop_components(region_, target_, limit, before_.vertices, outcome.representative);
+    outcome.deviation = std::max(outcome.deviation, dropped);
   }
 
   template <typename Visit>

@@ -22,6 +22,9 @@
 // space, and the other end stays only if that costs no more than the pass accepts. Collapses onto locked
 // vertices and along the borders of the regions that come next cost less than they do harm: borders that stay
 // dense while the rest is thinned out are what would be seen (clefts, src/README.md).
+//
+// Where the target is not reached, components that lie within the error of what stays are dropped
+// (simplify/components.hpp).
 #pragma once
 
 #include <vector>

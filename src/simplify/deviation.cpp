@@ -256,8 +256,20 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
   return deviation;
 }
 
+void attach_to_nearest(const mesh::Mesh& mesh, std::span<const std::uint16_t> cells,
+                       std::span<const std::uint32_t> which, std::vector<SurfaceSample>& samples) {
+  WalkableSurface surface(mesh);
+  for (const auto s : which) {
+    Nearest nearest;
+    surface.look_everywhere(geometry::to_vec3(samples[s].position), nearest);
+    attach(samples[s], nearest, surface, cells);
+  }
+}
+
 void thin_out(std::vector<SurfaceSample>& samples, std::size_t count) {
-  if (samples.size() <= count) return;
+  const auto free_begin = std::stable_partition(samples.begin(), samples.end(),
+                                                [](const SurfaceSample& s) { return s.is_pinned != 0; });
+  if (static_cast<std::size_t>(samples.end() - free_begin) <= count) return;
   const auto farther = [](const SurfaceSample& a, const SurfaceSample& b) {
     return a.distance != b.distance ? a.distance > b.distance : a.position < b.position;
   };
@@ -267,10 +279,9 @@ void thin_out(std::vector<SurfaceSample>& samples, std::size_t count) {
     return hash_a != hash_b ? hash_a < hash_b : a.position < b.position;
   };
   const auto kept = static_cast<std::ptrdiff_t>(count / 4);
-  std::nth_element(samples.begin(), samples.begin() + kept, samples.end(), farther);
-  std::nth_element(samples.begin() + kept, samples.begin() + static_cast<std::ptrdiff_t>(count),
-                   samples.end(), by_hash);
-  samples.resize(count);
+  std::nth_element(free_begin, free_begin + kept, samples.end(), farther);
+  std::nth_element(free_begin + kept, free_begin + static_cast<std::ptrdiff_t>(count), samples.end(), by_hash);
+  samples.erase(free_begin + static_cast<std::ptrdiff_t>(count), samples.end());
   // nth_element leaves an order of its own; this one is everybody's.
   std::sort(samples.begin(), samples.end(), [](const SurfaceSample& a, const SurfaceSample& b) {
     return a.anchor != b.anchor ? a.anchor < b.anchor : a.position < b.position;

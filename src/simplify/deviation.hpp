@@ -15,14 +15,16 @@
 
 namespace colossus::simplify {
 
+// What lies between the samples can be farther than they are: up to 1.13 times on the scans tried.
+inline constexpr double kDeviationMargin = 1.5;
+
 struct Deviation {
   double of_samples = 0.0;  // greatest distance of a sample to the surface, lattice units
   double of_surface = 0.0;  // greatest estimate for a placed vertex, or the middle of an edge
 
   double greatest() const { return std::max(of_samples, of_surface); }
 
-  // What lies between the samples can be farther than they are: up to 1.13 times on the scans tried.
-  double estimate() const { return 1.5 * greatest(); }
+  double estimate() const { return kDeviationMargin * greatest(); }
 };
 
 // `before` is the mesh that was simplified to `after`; `representative[v]` is the vertex of `after` into
@@ -36,8 +38,12 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
                             std::span<const std::uint32_t> representative, bool has_border,
                             std::vector<SurfaceSample>& samples);
 
-// At most `count` of the samples: the farthest quarter of them, since what is far now is likely to be so at
-// the next level, and others chosen by a hash of their positions. Deterministic, whatever the order of the
+// Attaches these samples to the nearest of all triangles, of which there is at least one.
+void attach_to_nearest(const mesh::Mesh& mesh, std::span<const std::uint16_t> cells,
+                       std::span<const std::uint32_t> which, std::vector<SurfaceSample>& samples);
+
+// At most `count` of the samples that are not pinned: the farthest quarter of them, since what is far now is likely
+// to be so at the next level, and others chosen by a hash of their positions. Deterministic, whatever the order of the
 // samples.
 void thin_out(std::vector<SurfaceSample>& samples, std::size_t count);
 

@@ -20,7 +20,9 @@ struct SurfaceSample {
   mesh::Point position;
   std::uint32_t anchor = 0;  // a vertex of the nearest triangle
   float distance = 0.0F;     // to the surface, lattice units
-  std::uint32_t cell = 0;    // of the nearest triangle
+  std::uint16_t cell = 0;    // of the nearest triangle
+  // 1: stands for all that was dropped and lies at its component; thin_out() keeps it.
+  std::uint16_t is_pinned = 0;
 };
 
 struct Region {
@@ -36,6 +38,9 @@ struct Region {
   // With half-edge collapses only: the greatest distance between a vertex before and the one that it has
   // become, in the maximum norm, lattice units.
   std::int64_t reach = std::numeric_limits<std::int64_t>::max();
+  // The caller's error of the surface will not be less than this, lattice units: components that are no farther
+  // from the rest may go, if the target is not reached without.
+  double known_error = 0.0;
   // With half-edge collapses only: how many mean edge lengths of the region the greatest difference of a
   // colour channel counts in the error of a collapse. Alpha does not count.
   double color_weight = 0.0;

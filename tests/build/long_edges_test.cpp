@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+#include <utility>
 
 #include "hierarchy/octree.hpp"
 #include "mesh/topology.hpp"
@@ -131,6 +133,34 @@ TEST(LongEdges, NoPartIsFartherFromItsTriangleThanItsDisplacement) {
     }
   }
   EXPECT_GT(farthest, 0.5 * kSpacing) << "a case where it matters";
+}
+
+// Thinner than the grid: the middles of its long sides fall onto each other, and the pieces stand in line.
+TEST(LongEdges, OfWhatCollapsesShortPiecesAreKnown) {
+  constexpr auto kStep = static_cast<std::int32_t>(kLongest);
+  mesh::Mesh mesh = mesh_of({{0, 0, 0}, {16 * kStep, 0, 0}, {8 * kStep, 0, 0}}, {{0, 1, 2}});
+  LongEdgeSplitter splitter(kLongest, kSpacing, mesh);
+  splitter.run(kRoot);
+  EXPECT_GT(splitter.lost().size(), 0U);
+  std::int64_t reached = 0;
+  std::vector<std::pair<std::int64_t, std::int64_t>> pieces;
+  for (const LostTriangle& lost : splitter.lost()) {
+    const auto [least, most] = std::minmax({lost.corners[0].position.x, lost.corners[1].position.x,
+                                            lost.corners[2].position.x});
+    EXPECT_LE(most - least, kLongest);
+    pieces.emplace_back(least, most);
+  }
+  for (const mesh::Triangle& t : mesh.triangles) {
+    const auto [least, most] =
+        std::minmax({mesh.vertices[t[0]].position.x, mesh.vertices[t[1]].position.x, mesh.vertices[t[2]].position.x});
+    pieces.emplace_back(least, most);
+  }
+  std::sort(pieces.begin(), pieces.end());
+  for (const auto& [least, most] : pieces) {
+    EXPECT_LE(least, reached);
+    reached = std::max(reached, most);
+  }
+  EXPECT_EQ(reached, 16 * kLongest);
 }
 
 }  // namespace

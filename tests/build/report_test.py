@@ -86,7 +86,7 @@ class Report(ColossusTest):
         run, report, _ = self.build_reported(statue, "-o", output, *options, "--memory", "256M", ranks=2,
                                              status=NO_RESOURCES)
         self.assertRegex(run.stderr, r"a rank will need some .* of memory, but may use 256\.0 MB: .*--memory")
-        self.assertEqual([phase["name"] for phase in report["phases"]], ["survey", "occupancy"])
+        self.assertEqual([phase["name"] for phase in report["phases"]], ["survey", "requests", "extent", "occupancy"])
         self.assertFalse(os.path.exists(output))
         self.build_reported(statue, "-o", output, *options, "--memory", "1G", "--resume", ranks=2)
 

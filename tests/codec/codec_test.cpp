@@ -272,16 +272,17 @@ void expect_displacement_bounds_all(const mesh::Mesh& mesh, const Tetrahedron& t
   for (const mesh::Vertex& vertex : mesh.vertices)
     weights.push_back(barycentric.weights(vertex.position, bits));
   const auto groups = merged_groups(mesh, weights);
-  std::map<std::uint32_t, std::size_t> stored;  // by group
+  // By group; several where something was kept apart.
+  std::map<std::uint32_t, std::vector<std::size_t>> stored;
   for (std::size_t i = 0; i < quantized.tetrahedron.weights.size(); ++i)
-    stored[groups[number_of(quantized.tetrahedron.colors[i])]] = i;
+    stored[groups[number_of(quantized.tetrahedron.colors[i])]].push_back(i);
   double greatest = 0.0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const auto found = stored.find(groups[v]);
-    if (found == stored.end()) continue;
-    const Weights& to = quantized.tetrahedron.weights[found->second];
-    greatest =
-        std::max(greatest, distance(decoded_position(to, tetrahedron, bits), mesh.vertices[v].position));
+    double least = INFINITY;
+    for (const std::size_t i : stored[groups[v]])
+      least = std::min(least, distance(decoded_position(quantized.tetrahedron.weights[i], tetrahedron, bits),
+                                       mesh.vertices[v].position));
+    if (std::isfinite(least)) greatest = std::max(greatest, least);
   }
   EXPECT_GT(greatest, 0.0);
   EXPECT_LE(greatest, quantized.displacement * (1.0 + 1e-12));
@@ -377,28 +378,29 @@ std::vector<Triangle> numbered_triangles(const QuantizedTetrahedron& part) {
   return triangles;
 }
 
-TEST(Quantize, OppositeDuplicatesCancelAndEqualOnesStay) {
+TEST(Quantize, OppositeAndEqualTrianglesStay) {
   const Tetrahedron root = first_root();
   const auto points = spread_points(root);
   const QuantizeOptions options{8, false, true};
   const auto stored = [&](const std::vector<Triangle>& triangles) {
     return numbered_triangles(quantize(numbered_mesh(points, triangles), root, 0, options).tetrahedron);
   };
-  EXPECT_EQ(stored({{0, 1, 2}, {1, 2, 3}, {1, 0, 2}}), (std::vector<Triangle>{{1, 2, 3}}));
-  EXPECT_EQ(stored({{0, 1, 2}, {2, 1, 0}, {2, 0, 1}}), (std::vector<Triangle>{{0, 1, 2}}));
+  // They are surface, wider than a unit: see lost_test.cpp for those that are not.
+  EXPECT_EQ(stored({{0, 1, 2}, {1, 2, 3}, {1, 0, 2}}), (std::vector<Triangle>{{0, 1, 2}, {0, 2, 1}, {1, 2, 3}}));
   EXPECT_EQ(stored({{0, 1, 2}, {1, 2, 0}}), (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}}));
-  EXPECT_TRUE(stored({{0, 1, 2}, {2, 1, 0}}).empty());
+  EXPECT_EQ(stored({{0, 1, 2}, {2, 1, 0}}), (std::vector<Triangle>{{0, 1, 2}, {0, 2, 1}}));
 }
 
 TEST(Quantize, DropsWhatBecomesDegenerateAndMergesItsVertices) {
   const Tetrahedron root = first_root();
   const auto points = spread_points(root);
-  // 5 falls onto 0 in the first triangle, so the second is that of 0 too.
-  const mesh::Mesh mesh = numbered_mesh(points, {{0, 5, 1}, {5, 2, 3}});
+  // 5 falls onto 0 in the first triangle, so the second is that of 0 too; the third has what is left of the first
+  // for an edge.
+  const mesh::Mesh mesh = numbered_mesh(points, {{0, 5, 1}, {5, 2, 3}, {1, 0, 4}});
   const QuantizedTetrahedron part = quantize(mesh, root, 3, {8, false, true}).tetrahedron;
   EXPECT_EQ(part.place, 3);
-  EXPECT_EQ(numbered_triangles(part), (std::vector<Triangle>{{0, 2, 3}}));
-  EXPECT_EQ(part.weights.size(), 3U);
+  EXPECT_EQ(numbered_triangles(part), (std::vector<Triangle>{{0, 2, 3}, {0, 4, 1}}));
+  EXPECT_EQ(part.weights.size(), 5U);
 }
 
 TEST(Quantize, TrianglesUseVerticesInOrderOfFirstUse) {

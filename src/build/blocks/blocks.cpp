@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "build/blocks/levels.hpp"
+#include "build/extent.hpp"
 #include "build/memory.hpp"
 #include "build/phase.hpp"
 #include "core/log.hpp"
@@ -27,21 +28,21 @@ void check_blocks(const BuildOptions& options) {
                options.color_weight);
 }
 
-Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
-  const std::uint32_t survey = last_phase(workspace);
-  std::vector<TriangleGroup> groups = join_vertices(workspace, catalog);
-  release_phases_up_to(workspace, survey);
+Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>&& groups) {
   const Grid grid = choose_grid(workspace, catalog, groups);
   core::log("grid: {} levels of cubes, positions rounded to {}", grid.levels,
             catalog.lattice.step * grid.spacing());
+  const double rounding_error =
+      catalog.lattice.input_error() + std::sqrt(3.0) / 2.0 * grid.spacing() * catalog.lattice.step;
+  workspace.ranks.attempt([&] {
+    if (workspace.ranks.is_root()) refuse_far_corner(workspace.options, catalog, 2.0 * rounding_error);
+  });
   CubePartition partition = partition_cubes(workspace, catalog, grid, groups);
   groups = {};
-  const InputCounts& c = catalog.counts;
+  log_counts(catalog.counts);
   const std::uint64_t peak = greatest_peak_memory(workspace.ranks);
-  core::log(
-      "partition: {} degenerate and {} duplicate triangles dropped; {} border and {} non-manifold edges; {} "
-      "edges too long for their cubes split, peak memory {} MB",
-      c.degenerate, c.duplicate, c.border_edges, c.nonmanifold_edges, c.split_edges, peak >> 20);
+  core::log("partition: {} edges too long for their cubes split, peak memory {} MB", catalog.counts.split_edges,
+            peak >> 20);
 
   BlockSettings settings;
   settings.lattice = catalog.lattice;
@@ -49,13 +50,14 @@ Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog) {
   settings.codec = &codec::codec_named(workspace.options.codec);
   settings.has_colors = catalog.has_colors;
   settings.color_weight = workspace.options.color_weight;
-  settings.rounding_error =
-      catalog.lattice.input_error() + std::sqrt(3.0) / 2.0 * grid.spacing() * catalog.lattice.step;
+  settings.rounding_error = rounding_error;
   settings.block_size = workspace.options.block_size.value_or(kDefaultBlockSize);
   settings.has_shifted_blocks = workspace.options.has_shifted_blocks;
-  Hierarchy hierarchy = build_block_levels(workspace, settings, std::move(partition));
-  hierarchy.lattice = {catalog.lattice.origin, catalog.lattice.step * grid.spacing(), grid.root_bits()};
-  hierarchy.position_bits = grid.position_bits;
+  workspace.ranks.attempt([&] {
+    if (workspace.ranks.is_root())
+      require_tolerance(workspace.options, settings.input_error(partition.displacement));
+  });
+  Hierarchy hierarchy = build_block_levels(workspace, settings, std::move(partition), catalog);
   hierarchy.options = {{"block_size", fmt::format("{}", settings.block_size)},
                        {"levels", fmt::format("{}", grid.levels)}};
   if (settings.color_weight > 0.0)

@@ -13,6 +13,6 @@ inline constexpr int kDefaultBlockSize = 4;
 inline constexpr double kGreatestSigma = 0.3;
 
 void check_blocks(const BuildOptions& options);
-Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog);
+Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>&& groups);
 
 }  // namespace colossus::build

@@ -6,12 +6,10 @@
 
 namespace colossus::build {
 
-std::vector<std::uint32_t> order_cube(mesh::Mesh& mesh, const codec::Codec& codec) {
-  codec.order(mesh.triangles, mesh.vertices.size());
-  const std::vector<std::uint32_t> before =
-      codec::renumber_by_first_use(mesh.triangles, mesh.vertices.size());
-  codec::permute(mesh.vertices, before);
-  return before;
+std::vector<std::uint32_t> order_cube(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count,
+                                      const codec::Codec& codec) {
+  codec.order(triangles, vertex_count);
+  return codec::renumber_by_first_use(triangles, vertex_count);
 }
 
 CubeRecord store_cube(const Workspace& workspace, const hierarchy::CubeId& id, const SampledMesh& content,
@@ -20,12 +18,16 @@ CubeRecord store_cube(const Workspace& workspace, const hierarchy::CubeId& id, c
   std::vector<bool> is_rim(mesh.vertices.size(), true);
   for (const mesh::Triangle& t : mesh.triangles)
     for (const auto v : t) is_rim[v] = false;
-  for (const mesh::Edge& edge : mesh::edges(mesh.triangles))
-    if (edge.count() != 2) is_rim[edge.a] = is_rim[edge.b] = true;
+  CubeRecord record;
+  for (const mesh::Edge& edge : mesh::edges(mesh.triangles)) {
+    if (edge.count() != 2)
+      is_rim[edge.a] = is_rim[edge.b] = true;
+    else
+      record.inconsistent_edges += edge.forward != edge.backward ? 1 : 0;
+  }
   std::vector<geometry::Point> rim;
   for (std::size_t v = 0; v < is_rim.size(); ++v)
     if (is_rim[v]) rim.push_back(mesh.vertices[v].position);
-  CubeRecord record;
   record.id = id;
   record.displacement = displacement;
   record.triangles = static_cast<std::uint32_t>(mesh.triangles.size());

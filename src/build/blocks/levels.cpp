@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "build/finest_level.hpp"
 #include "build/memory.hpp"
 #include "build/phase.hpp"
 #include "core/log.hpp"
@@ -17,8 +18,12 @@ using hierarchy::CubeId;
 
 class BlockLevelBuilder {
  public:
-  BlockLevelBuilder(const Workspace& workspace, const BlockSettings& settings, CubePartition&& partition)
-      : workspace_(workspace), settings_(settings) {
+  BlockLevelBuilder(const Workspace& workspace, const BlockSettings& settings, CubePartition&& partition,
+                    const Catalog& catalog)
+      : workspace_(workspace), settings_(settings), catalog_(catalog) {
+    hierarchy_.lattice = {settings.lattice.origin, settings.lattice.step * settings.grid.spacing(),
+                          settings.grid.root_bits()};
+    hierarchy_.position_bits = settings.grid.position_bits;
     for (const CubeRecord& cube : partition.cubes)
       cubes_.push_back({cube, settings.input_error(cube.displacement)});
     partition.cubes = {};
@@ -26,7 +31,18 @@ class BlockLevelBuilder {
   }
 
   Hierarchy run() {
-    for (int level = settings_.grid.levels; level >= 0; --level) run_level(level);
+    for (int level = settings_.grid.levels; level >= 0; --level) {
+      run_level(level);
+      if (level == settings_.grid.levels)
+        workspace_.ranks.attempt([&] {
+          if (!workspace_.ranks.is_root()) return;
+          hierarchy_.sort();
+          refuse_lost_surface(catalog_, hierarchy_);
+        });
+      // Which made the one above it.
+      if (workspace_.ranks.is_root() && level > 0)
+        warn_of_missed_target(hierarchy_, static_cast<std::uint32_t>(level - 1));
+    }
     hierarchy_.sort();
     double sigma = sigma_;
     broadcast_value(workspace_.ranks, sigma);
@@ -130,6 +146,7 @@ class BlockLevelBuilder {
 
   const Workspace& workspace_;
   const BlockSettings& settings_;
+  const Catalog& catalog_;
   std::vector<BlockCube> cubes_;  // of the level at hand; on rank 0
   double sigma_ = 0.0;
   Hierarchy hierarchy_;
@@ -138,8 +155,8 @@ class BlockLevelBuilder {
 }  // namespace
 
 Hierarchy build_block_levels(const Workspace& workspace, const BlockSettings& settings,
-                             CubePartition&& partition) {
-  return BlockLevelBuilder(workspace, settings, std::move(partition)).run();
+                             CubePartition&& partition, const Catalog& catalog) {
+  return BlockLevelBuilder(workspace, settings, std::move(partition), catalog).run();
 }
 
 }  // namespace colossus::build

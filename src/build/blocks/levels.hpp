@@ -5,9 +5,9 @@
 
 namespace colossus::build {
 
-// Collective. Within a level blocks are independent tasks. Sets the hierarchy's nodes, levels, and the
-// parameters sigma0 and block_size.
+// Collective. Within a level blocks are independent tasks. Sets all of the hierarchy but its options. Throws
+// Error(kBadData) when the deepest level lacks surface.
 Hierarchy build_block_levels(const Workspace& workspace, const BlockSettings& settings,
-                             CubePartition&& partition);
+                             CubePartition&& partition, const Catalog& catalog);
 
 }  // namespace colossus::build

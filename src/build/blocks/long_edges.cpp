@@ -24,11 +24,33 @@ LongEdgeSplitter::LongEdgeSplitter(std::int64_t longest, std::int32_t spacing, m
 std::uint64_t LongEdgeSplitter::run(const Cube& cube) {
   while (split_once(cube)) {
   }
+  split_lost();
   return count_;
 }
 
+// Like the edges of the triangles beside them.
+void LongEdgeSplitter::split_lost() {
+  std::vector<LostTriangle> pending = std::move(lost_);
+  lost_.clear();
+  while (!pending.empty()) {
+    const LostTriangle lost = pending.back();
+    pending.pop_back();
+    const mesh::Vertex& a = lost.corners[0];
+    const mesh::Vertex& b = lost.corners[1].position != a.position ? lost.corners[1] : lost.corners[2];
+    if (hierarchy::max_distance(a.position, b.position) <= longest_) {
+      lost_.push_back(lost);
+      continue;
+    }
+    mesh::Vertex middle = mesh::interpolate(a, b, 1, 2);
+    middle.position = middle_on_grid(a.position, b.position, spacing_);
+    pending.push_back({{a, middle, middle}, 0.0});
+    pending.push_back({{middle, b, b}, 0.0});
+  }
+}
+
 double LongEdgeSplitter::displacement(std::uint32_t triangle) const {
-  if (part_of_[triangle] == kNone) return 0.0;
+  // Those added since are nobody's parts.
+  if (triangle >= part_of_.size() || part_of_[triangle] == kNone) return 0.0;
   const Corners& corners = parts_[part_of_[triangle]];
   double farthest = 0.0;
   for (std::size_t k = 0; k < 3; ++k)
@@ -68,6 +90,9 @@ bool LongEdgeSplitter::split_once(const Cube& cube) {
     while (part < parts.size()) part_of.push_back(part++);
   }
   if (middles_.empty()) return false;
+  for (const mesh::Triangle& t : triangles)
+    if (mesh::is_degenerate(at(t[0]), at(t[1]), at(t[2])))
+      lost_.push_back({{mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]]}, 0.0});
   mesh_.triangles = std::move(triangles);
   parts_ = std::move(parts);
   std::vector<std::uint32_t> order;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "build/buckets.hpp"
+#include "build/lost_triangles.hpp"
 #include "geometry/vector.hpp"
 #include "mesh/mesh.hpp"
 
@@ -29,6 +30,9 @@ class LongEdgeSplitter {
   // Returns how many edges were split whose lesser end lies in the cube.
   std::uint64_t run(const Cube& cube);
 
+  // Triangles that collapsed when the middles of their edges were rounded, in pieces that are not too long.
+  const std::vector<LostTriangle>& lost() const { return lost_; }
+
   // How far a point of the triangle is at most from its place in the triangle that this one was a part of:
   // that of its corners that rounding has moved farthest. Lattice units; 0 for what was not split.
   double displacement(std::uint32_t triangle) const;
@@ -39,6 +43,7 @@ class LongEdgeSplitter {
   using Corners = std::array<geometry::Vec3, 3>;
 
   bool split_once(const Cube& cube);
+  void split_lost();
   void divide(const mesh::Triangle& t, const Corners& corners, const std::array<std::uint32_t, 3>& middle,
               std::vector<mesh::Triangle>& triangles, std::vector<Corners>& parts) const;
   std::uint32_t middle_of(std::uint32_t a, std::uint32_t b, const Cube& cube);
@@ -50,6 +55,7 @@ class LongEdgeSplitter {
   mesh::Mesh& mesh_;
   std::vector<std::uint32_t> part_of_;  // per triangle: the number of its part, or kNone
   std::vector<Corners> parts_;
+  std::vector<LostTriangle> lost_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles_;  // by edge, of this round
   std::uint64_t count_ = 0;
 };

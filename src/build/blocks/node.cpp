@@ -8,6 +8,7 @@
 #include "build/store_node.hpp"
 #include "codec/cube_codec.hpp"
 #include "geometry/octahedral.hpp"
+#include "geometry/vector.hpp"
 #include "simplify/collapse.hpp"
 #include "simplify/deviation.hpp"
 
@@ -26,6 +27,18 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 std::int64_t reach_of(int level) {
   return static_cast<std::int64_t>(kGreatestSigma / 2.0 *
                                    static_cast<double>(std::int64_t{1} << (geometry::kRootBits - level)));
+}
+
+// Sum over the triangles, square units of the grid.
+double area_of(const codec::CubeMesh& mesh) {
+  double doubled = 0.0;
+  for (const mesh::Triangle& t : mesh.triangles) {
+    const Point &p = mesh.positions[t[0]], &q = mesh.positions[t[1]], &r = mesh.positions[t[2]];
+    const geometry::Vec3 n = geometry::cross(geometry::to_vec3(q) - geometry::to_vec3(p),
+                                             geometry::to_vec3(r) - geometry::to_vec3(p));
+    doubled += geometry::length(n);
+  }
+  return 0.5 * doubled;
 }
 
 // The cubes of a block as one welded mesh, and the parents that its parts go to.
@@ -117,6 +130,7 @@ class Block {
     region_.may_place = false;
     region_.reach = reach_of(level);
     region_.color_weight = settings_.has_colors ? settings_.color_weight : 0.0;
+    region_.known_error = (error_ - settings_.input_error(displacement_)) / settings_.lattice.step;
     std::vector<Point> before;
     for (const mesh::Vertex& v : region_.mesh.vertices) before.push_back(v.position);
     const std::size_t target = region_.mesh.triangles.size() / 4;
@@ -170,7 +184,10 @@ class Block {
         if (parent_index(task_.cubes[c].record.id) == p)
           for (std::size_t i = 0; i < contents_[c].mesh.vertices.size(); ++i)
             number_of(representative_[welded_[bases[c] + i]]);
-      const std::vector<std::uint32_t> order = order_cube(parent.mesh, *settings_.codec);
+      // As the parent's node will store them.
+      std::vector<mesh::Triangle> stored = parent.mesh.triangles;
+      const std::vector<std::uint32_t> order =
+          order_cube(stored, parent.mesh.vertices.size(), *settings_.codec);
       std::vector<std::uint32_t> now(order.size());
       for (std::uint32_t i = 0; i < order.size(); ++i) now[order[i]] = i;
       for (std::size_t c = 0; c < contents_.size(); ++c)
@@ -178,7 +195,7 @@ class Block {
           for (std::size_t i = 0; i < contents_[c].mesh.vertices.size(); ++i)
             indices_[bases[c] + i] = now[numbers[representative_[welded_[bases[c] + i]]]];
       for (simplify::SurfaceSample sample : samples[p]) {
-        sample.anchor = now[numbers[sample.anchor]];
+        sample.anchor = numbers[sample.anchor];
         sample.cell = 0;
         parent.samples.push_back(sample);
       }
@@ -209,10 +226,14 @@ class Block {
     stored.has_colors = settings_.has_colors;
     stored.has_parents = cube.record.id.level > 0;
     stored.triangles = mesh.triangles;
-    stored.parents.assign(parents.begin(), parents.end());
+    const std::vector<std::uint32_t> order =
+        order_cube(stored.triangles, mesh.vertices.size(), *settings_.codec);
+    if (stored.has_parents)
+      for (const auto v : order) stored.parents.push_back(parents[v]);
     Point low = cube.record.id.center(grid.root_bits()), high = low;
     bool is_first = true;
-    for (const mesh::Vertex& v : mesh.vertices) {
+    for (const auto i : order) {
+      const mesh::Vertex& v = mesh.vertices[i];
       Point p;
       for (int axis = 0; axis < 3; ++axis) {
         p[axis] = v.position[axis] / grid.spacing();
@@ -243,6 +264,8 @@ class Block {
     const codec::Codec& codec = *settings_.codec;
     store_node(workspace_, codec, codec::encode(stored, codec), node);
     node.statistics.angles = simplify::count_small_angles(mesh);
+    node.statistics.inconsistent_edges = cube.record.inconsistent_edges;
+    if (cube.record.id.level == grid.levels) node.area = area_of(stored);
     node.displacement = settings_.input_error(cube.record.displacement);
     return node;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "build/blocks/blocks.hpp"
 #include "build/blocks/long_edges.hpp"
@@ -96,31 +97,37 @@ int choose_level(const LevelCensus& census, std::uint64_t leaf_triangles) {
 int choose_position_bits(const BuildOptions& options, const Catalog& catalog, int levels) {
   const int most = std::min(codec::kMaxPositionBits, geometry::kRootBits - levels);
   if (!options.tolerance) return std::min(options.position_bits, most);
+  const auto error_at = [&](int bits) {
+    return Grid{levels, bits}.spacing() * std::sqrt(3.0) / 2.0 * catalog.lattice.step +
+           catalog.lattice.input_error();
+  };
   for (int bits = codec::kMinPositionBits; bits <= most; ++bits)
-    if (Grid{levels, bits}.spacing() * std::sqrt(3.0) / 2.0 * catalog.lattice.step +
-            catalog.lattice.input_error() <=
-        *options.tolerance)
-      return bits;
-  core::warn("--tolerance {} is finer than {} bits per cube give", *options.tolerance, most);
-  return most;
+    if (error_at(bits) <= *options.tolerance) return bits;
+  core::fail(core::Status::kUsage,
+             "--tolerance {} cannot be kept: the least that can is {}, with {} bits along a cube of level {}; smaller "
+             "cubes (--leaf-triangles, --levels) allow less, but not less than the lattice's {}",
+             *options.tolerance, error_at(most), most, levels, catalog.lattice.input_error());
 }
 
-struct CubesResult {
+struct CubesCounts {
   std::uint64_t split_edges = 0;
   std::int64_t longest_edge = 0;
+  EdgeCensus finest;
+};
+
+struct CubesResult {
+  CubesCounts counts;
   std::vector<CubeRecord> cubes;
   Bytes to_bytes() const {
     ByteWriter writer;
-    writer.put(split_edges);
-    writer.put(longest_edge);
+    writer.put(counts);
     writer.put_array<CubeRecord>(cubes);
     return writer.take();
   }
   static CubesResult from_bytes(const Bytes& bytes) {
     ByteReader reader(bytes);
     CubesResult result;
-    result.split_edges = reader.get<std::uint64_t>();
-    result.longest_edge = reader.get<std::int64_t>();
+    result.counts = reader.get<CubesCounts>();
     result.cubes = reader.get_array<CubeRecord>(reader.remaining() / sizeof(CubeRecord));
     COLOSSUS_CHECK(!reader.failed());
     return result;
@@ -148,8 +155,11 @@ mesh::Mesh mesh_of_cube(const mesh::Mesh& bucket, std::span<const std::uint32_t>
   return mesh;
 }
 
+// By cube, how far at most what stands for a lost triangle in it is from where that lies.
+using Displacements = std::map<CubeId, double>;
+
 void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& cube, const mesh::Mesh& mesh,
-                     const LongEdgeSplitter& splitter, CubesResult& out) {
+                     const LongEdgeSplitter& splitter, const Displacements& of_lost, CubesResult& out) {
   struct Assigned {
     CubeId id;
     std::uint32_t triangle;
@@ -162,12 +172,11 @@ void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& c
                 &r = mesh.vertices[t[2]].position;
     const CubeId id = hierarchy::cube_of_barycenter(p, q, r, grid.levels, geometry::kRootBits);
     if (id.x >> finer != cube.x || id.y >> finer != cube.y || id.z >> finer != cube.z) continue;
-    out.longest_edge = std::max(out.longest_edge, longest_side(p, q, r));
+    out.counts.longest_edge = std::max(out.counts.longest_edge, longest_side(p, q, r));
     assigned.push_back({id, i});
   }
   std::stable_sort(assigned.begin(), assigned.end(),
                    [](const Assigned& a, const Assigned& b) { return a.id < b.id; });
-  const codec::Codec& codec = codec::codec_named(workspace.options.codec);
   std::vector<std::uint32_t> renumbered(mesh.vertices.size(), ~std::uint32_t{0});
   std::vector<std::uint32_t> triangles;
   for (std::size_t i = 0; i < assigned.size();) {
@@ -178,10 +187,69 @@ void assign_to_cubes(const Workspace& workspace, const Grid& grid, const Cube& c
       triangles.push_back(assigned[i].triangle);
       displacement = std::max(displacement, splitter.displacement(assigned[i].triangle));
     }
-    SampledMesh content{mesh_of_cube(mesh, triangles, renumbered), {}};
-    order_cube(content.mesh, codec);
+    if (const auto lost = of_lost.find(id); lost != of_lost.end())
+      displacement = std::max(displacement, lost->second);
+    const SampledMesh content{mesh_of_cube(mesh, triangles, renumbered), {}};
     out.cubes.push_back(store_cube(workspace, id, content, displacement));
   }
+}
+
+// Of what stands for lost triangles: it is one step wide, and may be cut into pieces yet.
+void note_revived(const mesh::Mesh& mesh, std::size_t first, const Grid& grid, Displacements& result) {
+  const std::int64_t side = std::int64_t{1} << (geometry::kRootBits - grid.levels);
+  for (std::size_t i = first; i < mesh.triangles.size(); ++i) {
+    const mesh::Triangle& t = mesh.triangles[i];
+    const Point &p = mesh.vertices[t[0]].position, &q = mesh.vertices[t[1]].position;
+    const std::int64_t steps = 8 * hierarchy::max_distance(p, q) / side + 1;
+    for (std::int64_t k = 0; k <= steps; ++k) {
+      // And the cubes that are as near as the next step.
+      for (int corner = 0; corner < 8; ++corner) {
+        Point at;
+        for (int axis = 0; axis < 3; ++axis)
+          at[axis] = static_cast<std::int32_t>(p[axis] + (std::int64_t{q[axis]} - p[axis]) * k / steps +
+                                               ((corner >> axis & 1) != 0 ? side / 8 : -side / 8));
+        const CubeId id = hierarchy::cube_of_barycenter(at, at, at, grid.levels, geometry::kRootBits);
+        double& greatest = result.try_emplace(id, 0.0).first->second;
+        greatest = std::max(greatest, static_cast<double>(grid.spacing()));
+      }
+    }
+  }
+}
+
+// Of fins, which lie in the cubes of their barycentres.
+Displacements displacements_of_fins(const std::vector<LostTriangle>& lost, const Grid& grid) {
+  Displacements result;
+  for (const LostTriangle& fin : lost) {
+    if (!fin.is_fin()) continue;
+    const CubeId id =
+        hierarchy::cube_of_barycenter(fin.corners[0].position, fin.corners[1].position, fin.corners[2].position,
+                                      grid.levels, geometry::kRootBits);
+    double& greatest = result.try_emplace(id, 0.0).first->second;
+    greatest = std::max(greatest, fin.displacement);
+  }
+  return result;
+}
+
+CubesResult make_cubes(const Workspace& workspace, const Grid& grid, LoadedBucket&& bucket) {
+  CubesResult out;
+  Displacements of_lost = displacements_of_fins(bucket.lost, grid);
+  bool is_changed = false;
+  const auto revive = [&](const std::vector<LostTriangle>& lost) {
+    const std::size_t first = revive_lost(lost, grid.spacing(), bucket.cube, bucket.mesh).first;
+    is_changed = is_changed || first < bucket.mesh.triangles.size();
+    note_revived(bucket.mesh, first, grid, of_lost);
+  };
+  revive(bucket.lost);
+  LongEdgeSplitter splitter(grid.longest_edge(), grid.spacing(), bucket.mesh);
+  const std::size_t before = bucket.mesh.triangles.size();
+  out.counts.split_edges = splitter.run(bucket.cube);
+  is_changed = is_changed || bucket.mesh.triangles.size() != before || !splitter.lost().empty();
+  revive(splitter.lost());
+  out.counts.finest = is_changed
+                          ? census_of_edges(bucket.mesh.triangles, bucket.mesh.vertices, {}, bucket.cube)
+                          : bucket.finest;
+  assign_to_cubes(workspace, grid, bucket.cube, bucket.mesh, splitter, of_lost, out);
+  return out;
 }
 
 }  // namespace
@@ -231,17 +299,16 @@ CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, cons
   run_phase(
       workspace, "partition", buckets.size(), [&](std::size_t i) { return bucket_task(buckets[i]); },
       [&](std::span<const std::byte> task) {
-        LoadedBucket bucket = load_bucket(workspace, task);
-        CubesResult out;
-        LongEdgeSplitter splitter(grid.longest_edge(), grid.spacing(), bucket.mesh);
-        out.split_edges = splitter.run(bucket.cube);
-        assign_to_cubes(workspace, grid, bucket.cube, bucket.mesh, splitter, out);
-        return out.to_bytes();
+        return make_cubes(workspace, grid, load_bucket(workspace, task)).to_bytes();
       },
       [&](std::size_t, const Bytes& bytes) {
         const CubesResult result = CubesResult::from_bytes(bytes);
-        catalog.counts.split_edges += result.split_edges;
-        partition.longest_edge = std::max(partition.longest_edge, result.longest_edge);
+        catalog.counts.split_edges += result.counts.split_edges;
+        partition.longest_edge = std::max(partition.longest_edge, result.counts.longest_edge);
+        catalog.counts.finest_border_edges += result.counts.finest.border;
+        catalog.counts.finest_nonmanifold_edges += result.counts.finest.nonmanifold;
+        for (const CubeRecord& made : result.cubes)
+          partition.displacement = std::max(partition.displacement, made.displacement);
         partition.cubes.insert(partition.cubes.end(), result.cubes.begin(), result.cubes.end());
       });
   release_phases_up_to(workspace, last_phase(workspace) - 1);

@@ -22,17 +22,18 @@ struct Grid {
 
 // The smallest level with on average at most --leaf-triangles per cube that is not empty; lowered while more
 // than one triangle in a hundred has an edge that is too long for its cubes. --levels overrides it.
-// Collective.
+// Throws Error(kUsage) when --tolerance cannot be kept. Collective.
 Grid choose_grid(const Workspace& workspace, const Catalog& catalog, std::span<const TriangleGroup> groups);
 
 struct CubePartition {
   std::vector<CubeRecord> cubes;  // on rank 0, in order
+  double displacement = 0.0;      // the greatest of them
   std::int64_t longest_edge = 0;  // the maximum norm, on the lattice of 2^30; on rank 0
 };
 
 // Assigns each triangle to the cube that holds its barycentre. Edges that are too long are split at their
 // middles, rounded to the grid, first, which depends on nothing but their ends, and counted. Positions are
-// rounded to the grid. Fills the catalogue's counts like the diamonds' partition. Collective.
+// rounded to the grid. Fills the catalogue's area and counts. Collective.
 CubePartition partition_cubes(const Workspace& workspace, Catalog& catalog, const Grid& grid,
                               std::span<const TriangleGroup> groups);
 

@@ -3,41 +3,76 @@
 #include <algorithm>
 #include <cmath>
 
+#include "build/attributes.hpp"
 #include "build/diamonds/levels.hpp"
 #include "build/diamonds/partition.hpp"
+#include "build/extent.hpp"
+#include "build/hierarchy.hpp"
 #include "build/memory.hpp"
 #include "core/log.hpp"
 
 namespace colossus::build {
 namespace {
 
-// The bits that keep every leaf's quantisation within the tolerance. Rounding changes the weights by at most
-// three units in all (one each for three corners that must not become 0), so it moves a vertex by at most
-// three times the longest edge over 2^bits.
+// Rounding changes the weights by at most three units in all (one each for three corners that must not become
+// 0), so it moves a vertex by at most three times the longest edge over 2^bits.
 constexpr double kWeightUnits = 3.0;
 
-int bits_for_tolerance(double tolerance, const Partition& partition, const geometry::Lattice& lattice) {
+double longest_edge(const TetrahedronRecord& leaf) {
+  const hierarchy::Diamond diamond = hierarchy::Diamond::at(leaf.id.center);
+  return std::sqrt(static_cast<double>(squared_distance(diamond.ends[0], diamond.ends[1])));
+}
+
+// The bits that keep every leaf's quantisation, and the lattice's rounding, within the tolerance. Throws
+// Error(kUsage) when none do.
+int bits_for_tolerance(double tolerance, const Partition& partition, const geometry::Lattice& lattice,
+                       double input_error) {
   double longest = 0.0;
-  for (const TetrahedronRecord& leaf : partition.leaves) {
-    const hierarchy::Diamond diamond = hierarchy::Diamond::at(leaf.id.center);
-    longest =
-        std::max(longest, std::sqrt(static_cast<double>(squared_distance(diamond.ends[0], diamond.ends[1]))));
-  }
+  for (const TetrahedronRecord& leaf : partition.leaves) longest = std::max(longest, longest_edge(leaf));
+  const auto error_at = [&](int bits) {
+    return kWeightUnits * longest * lattice.step / static_cast<double>(1 << bits) + input_error;
+  };
   for (int bits = codec::kMinPositionBits; bits <= codec::kMaxPositionBits; ++bits)
-    if (kWeightUnits * longest * lattice.step / static_cast<double>(1 << bits) <= tolerance) return bits;
-  core::warn("--tolerance {} is finer than {} bits in the largest leaf give ({}); use smaller leaves",
-             tolerance, codec::kMaxPositionBits,
-             kWeightUnits * longest * lattice.step / static_cast<double>(1 << codec::kMaxPositionBits));
-  return codec::kMaxPositionBits;
+    if (error_at(bits) <= tolerance) return bits;
+  core::fail(core::Status::kUsage,
+             "--tolerance {} cannot be kept: the least that can is {}, with {} bits per weight in the largest "
+             "leaf; smaller leaves (--leaf-triangles) allow less, but not less than the lattice's {}",
+             tolerance, error_at(codec::kMaxPositionBits), codec::kMaxPositionBits, input_error);
+}
+
+// How far from each other points may lie that fall together, in the leaves that hold most triangles.
+double greatest_gap(const Partition& partition, const geometry::Lattice& lattice, int position_bits) {
+  std::vector<std::pair<double, std::uint64_t>> leaves;  // longest edge, triangles
+  std::uint64_t whole = 0, sum = 0;
+  for (const TetrahedronRecord& leaf : partition.leaves) {
+    leaves.emplace_back(longest_edge(leaf), leaf.triangles);
+    whole += leaf.triangles;
+  }
+  std::sort(leaves.begin(), leaves.end());
+  double longest = 0.0;
+  for (const auto& [edge, triangles] : leaves)
+    if (longest = edge; 2 * (sum += triangles) >= whole) break;
+  return 2.0 * (lattice.input_error() + longest * lattice.step / static_cast<double>(1 << position_bits));
+}
+
+// Bits, and the lattice's error, on rank 0.
+void choose_precision(const BuildOptions& options, const Catalog& catalog, const Partition& leaves,
+                      NodeSettings& settings) {
+  settings.input_error = catalog.lattice.input_error();
+  // What stands for a triangle that the lattice, or a cut, took reaches up to two steps beyond it.
+  if (leaves.revived > 0) settings.input_error += 2.0 * catalog.lattice.step * geometry::kInputSpacing;
+  settings.quantize.position_bits =
+      options.tolerance
+          ? bits_for_tolerance(*options.tolerance, leaves, catalog.lattice, settings.input_error)
+          : options.position_bits;
+  refuse_far_corner(options, catalog, greatest_gap(leaves, catalog.lattice, settings.quantize.position_bits));
 }
 
 void log_partition(const cluster::Communicator& ranks, const Catalog& catalog, const Partition& partition) {
   const InputCounts& c = catalog.counts;
   std::uint64_t triangles = 0;
   for (const TetrahedronRecord& leaf : partition.leaves) triangles += leaf.triangles;
-  core::log(
-      "partition: {} degenerate and {} duplicate triangles dropped; {} border and {} non-manifold edges",
-      c.degenerate, c.duplicate, c.border_edges, c.nonmanifold_edges);
+  log_counts(c);
   const std::uint64_t peak = greatest_peak_memory(ranks);
   core::log("partition: {} triangles in {} leaf tetrahedra, peak memory {} MB", triangles,
             partition.leaves.size(), peak >> 20);
@@ -56,29 +91,23 @@ void check_diamonds(const BuildOptions& options) {
     core::fail(core::Status::kUsage, "--color-weight is an option of --scheme blocks only");
 }
 
-Hierarchy build_diamonds(const Workspace& workspace, Catalog& catalog) {
+Hierarchy build_diamonds(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>&& groups) {
   const cluster::Communicator& ranks = workspace.ranks;
-  const Partition leaves = partition(workspace, catalog);
+  const Partition leaves = partition(workspace, catalog, std::move(groups));
   log_partition(ranks, catalog, leaves);
   NodeSettings settings;
   settings.lattice = catalog.lattice;
-  settings.quantize.position_bits = workspace.options.position_bits;
-  if (workspace.options.tolerance) {
-    if (ranks.is_root())
-      settings.quantize.position_bits =
-          bits_for_tolerance(*workspace.options.tolerance, leaves, catalog.lattice);
-    broadcast_value(ranks, settings.quantize.position_bits);
-  }
+  ranks.attempt([&] {
+    if (ranks.is_root()) choose_precision(workspace.options, catalog, leaves, settings);
+  });
+  broadcast_value(ranks, settings.quantize.position_bits);
+  broadcast_value(ranks, settings.input_error);
   settings.quantize.normals = true;
   settings.codec = &codec::codec_named(workspace.options.codec);
   settings.quantize.colors = catalog.has_colors;
   settings.leaf_triangles = workspace.options.leaf_triangles;
   settings.floor_triangles = floor_triangles(workspace.options);
-  settings.input_error = catalog.lattice.input_error();
-  Hierarchy hierarchy = build_levels(workspace, settings, leaves);
-  hierarchy.lattice = {catalog.lattice.origin, catalog.lattice.step, geometry::kRootBits};
-  hierarchy.position_bits = settings.quantize.position_bits;
-  return hierarchy;
+  return build_levels(workspace, settings, leaves, catalog);
 }
 
 }  // namespace colossus::build

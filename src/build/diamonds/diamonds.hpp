@@ -6,6 +6,6 @@
 namespace colossus::build {
 
 void check_diamonds(const BuildOptions& options);
-Hierarchy build_diamonds(const Workspace& workspace, Catalog& catalog);
+Hierarchy build_diamonds(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>&& groups);
 
 }  // namespace colossus::build

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "build/finest_level.hpp"
 #include "build/memory.hpp"
 #include "build/phase.hpp"
 #include "core/log.hpp"
@@ -17,8 +18,15 @@ using hierarchy::TetrahedronId;
 
 class LevelBuilder {
  public:
-  LevelBuilder(const Workspace& workspace, const NodeSettings& settings, const Partition& partition)
-      : workspace_(workspace), settings_(settings), partition_(partition), leaves_(partition.leaves) {
+  LevelBuilder(const Workspace& workspace, const NodeSettings& settings, const Partition& partition,
+               Catalog& catalog)
+      : workspace_(workspace),
+        settings_(settings),
+        partition_(partition),
+        catalog_(catalog),
+        leaves_(partition.leaves) {
+    hierarchy_.lattice = {settings.lattice.origin, settings.lattice.step, geometry::kRootBits};
+    hierarchy_.position_bits = settings.quantize.position_bits;
     if (!workspace_.ranks.is_root()) return;
     for (const Point& center : partition.splits)
       splits_by_level_[hierarchy::level_of(center)].push_back(center);
@@ -27,6 +35,9 @@ class LevelBuilder {
 
   Hierarchy run() {
     run_tasks("leaves", leaf_tasks(), [&](const PlannedTask& task) { return leaf_task(task.index); });
+    workspace_.ranks.attempt([&] {
+      if (workspace_.ranks.is_root()) check_leaves();
+    });
     std::int64_t levels = splits_by_level_.empty() ? 0 : splits_by_level_.rbegin()->first + 1;
     broadcast_value(workspace_.ranks, levels);
     // Leaves lie at several levels; their scratch goes with the one of the coarsest.
@@ -34,6 +45,7 @@ class LevelBuilder {
     broadcast_value(workspace_.ranks, coarsest_leaf);
     for (auto level = static_cast<int>(levels) - 1; level >= 0; --level) {
       run_level(level);
+      if (workspace_.ranks.is_root()) warn_of_missed_target(hierarchy_, static_cast<std::uint32_t>(level));
       // The level below, or the leaves' own phase, which keeps all it makes.
       release_phases(workspace_, last_phase(workspace_) - 1, last_phase(workspace_) - 1);
       if (level + 1 == coarsest_leaf)
@@ -71,6 +83,18 @@ class LevelBuilder {
     for (std::size_t i = first; i < leaves_.size() && leaves_[i].id.center == task.center; ++i)
       task.parts.push_back({leaves_[i].id.place, 0, leaves_[i].triangles, 0, leaves_[i].record});
     return task;
+  }
+
+  void check_leaves() {
+    for (const LevelStatistics& level : hierarchy_.levels) {
+      catalog_.counts.finest_border_edges += level.sums.finest_border_edges;
+      catalog_.counts.finest_nonmanifold_edges += level.sums.finest_nonmanifold_edges;
+    }
+    double greatest = 0.0;
+    for (const StoredNode& leaf : hierarchy_.nodes) greatest = std::max(greatest, leaf.row.error);
+    require_tolerance(workspace_.options, greatest);
+    hierarchy_.sort();
+    refuse_lost_surface(catalog_, hierarchy_);
   }
 
   void run_level(int level) {
@@ -175,6 +199,7 @@ class LevelBuilder {
   const Workspace& workspace_;
   const NodeSettings& settings_;
   const Partition& partition_;
+  Catalog& catalog_;
   const std::vector<TetrahedronRecord>& leaves_;
   std::map<int, std::vector<Point>> splits_by_level_;
   std::vector<TetrahedronRecord> made_;      // by the level at hand
@@ -186,8 +211,9 @@ class LevelBuilder {
 
 }  // namespace
 
-Hierarchy build_levels(const Workspace& workspace, const NodeSettings& settings, const Partition& partition) {
-  return LevelBuilder(workspace, settings, partition).run();
+Hierarchy build_levels(const Workspace& workspace, const NodeSettings& settings, const Partition& partition,
+                       Catalog& catalog) {
+  return LevelBuilder(workspace, settings, partition, catalog).run();
 }
 
 }  // namespace colossus::build

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "build/catalog.hpp"
 #include "build/diamonds/diamond_region.hpp"
+#include "build/diamonds/part_census.hpp"
 #include "build/store_node.hpp"
 #include "codec/node_codec.hpp"
 #include "simplify/collapse.hpp"
@@ -36,13 +38,22 @@ std::size_t target_of(const NodeSettings& settings, const std::vector<PlacedMesh
   return std::max(total / 2, std::min(floor, total - total / 5));
 }
 
-std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond,
+// Of what is stored whatever simplification adds: the children's error, without what quantisation may take.
+double known_error(const NodeSettings& settings, const Diamond& diamond, double least_error) {
+  const double unit = std::sqrt(static_cast<double>(squared_distance(diamond.ends[0], diamond.ends[1]))) /
+                      static_cast<double>(std::int64_t{1} << settings.quantize.position_bits);
+  constexpr double kMostUnits = 3.0;  // by which rounding moves a vertex
+  return (least_error - settings.input_error) / settings.lattice.step - kMostUnits * unit;
+}
+
+std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond, double least_error,
                                       std::vector<PlacedMesh>&& parts, NodeStatistics& statistics,
                                       double& deviation) {
   const std::size_t target = target_of(settings, parts);
   for (PlacedMesh& part : parts) add_missing_samples(part.content);
   simplify::Region region = make_region(diamond, parts);
   parts.clear();
+  region.known_error = known_error(settings, diamond, least_error);
   const simplify::Outcome outcome = simplify::simplify(region, target);
   deviation = outcome.deviation;
   statistics.initial_triangles = outcome.initial_triangles;
@@ -134,7 +145,8 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
   std::vector<PlacedMesh> parts = load_parts(workspace, task);
   double deviation = 0.0;
   if (!task.is_leaf)
-    parts = simplify_node(settings, diamond, std::move(parts), result.node.statistics, deviation);
+    parts = simplify_node(settings, diamond, task.least_error, std::move(parts), result.node.statistics,
+                          deviation);
 
   container::NodeRow& row = result.node.row;
   row.level = static_cast<std::uint32_t>(diamond.level);
@@ -154,11 +166,17 @@ NodeResult build_node(const Workspace& workspace, const NodeSettings& settings, 
     result.node.statistics.angles.below_15_degrees += angles.below_15_degrees;
     result.node.statistics.angles.below_30_degrees += angles.below_30_degrees;
     if (!task.is_leaf) result.node.statistics.reached_triangles += part.content.mesh.triangles.size();
+    const PartCensus census = take_census(stored, task.is_leaf);
+    result.node.statistics.inconsistent_edges += census.inconsistent_edges;
+    if (task.is_leaf) {
+      result.node.statistics.finest_border_edges += census.border_edges;
+      result.node.statistics.finest_nonmanifold_edges += census.nonmanifold_edges;
+      result.node.area += area_of(stored.tetrahedron, tetrahedron, mesh.position_bits);
+    }
     const double displacement = stored.displacement * settings.lattice.step;
     result.node.displacement = std::max(result.node.displacement, displacement);
     if (task.is_leaf && part.content.mesh.triangles.size() > settings.leaf_triangles)
       row.flags = static_cast<std::uint8_t>(row.flags | container::kNodeIsAboveLimit);
-    // A tetrahedron whose last triangle fell to quantisation stays: it is part of the hierarchy.
     row.tetra_mask = static_cast<std::uint8_t>(row.tetra_mask | 1U << part.place);
     row.vertices += static_cast<std::uint32_t>(stored.tetrahedron.weights.size());
     row.triangles += static_cast<std::uint32_t>(stored.tetrahedron.triangles.size());

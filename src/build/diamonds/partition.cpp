@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "build/attributes.hpp"
+#include "build/diamonds/cut_remains.hpp"
 #include "build/phase.hpp"
 #include "mesh/clip.hpp"
 
@@ -26,18 +27,20 @@ constexpr double kMostGrowth = 8.0;
 struct Refinement {
   std::vector<TetrahedronRecord> leaves;
   std::vector<Point> splits;
+  std::uint64_t revived = 0;  // pairs of triangles, see revive_lost()
 
   Bytes to_bytes() const {
     ByteWriter writer;
-    writer.put(std::array<std::uint64_t, 2>{leaves.size(), splits.size()});
+    writer.put(std::array<std::uint64_t, 3>{leaves.size(), splits.size(), revived});
     writer.put_array<TetrahedronRecord>(leaves);
     writer.put_array<Point>(splits);
     return writer.take();
   }
   static Refinement from_bytes(const Bytes& bytes) {
     ByteReader reader(bytes);
-    const auto counts = reader.get<std::array<std::uint64_t, 2>>();
+    const auto counts = reader.get<std::array<std::uint64_t, 3>>();
     Refinement refinement;
+    refinement.revived = counts[2];
     refinement.leaves = reader.get_array<TetrahedronRecord>(counts[0]);
     refinement.splits = reader.get_array<Point>(counts[1]);
     COLOSSUS_CHECK(!reader.failed());
@@ -56,7 +59,7 @@ class Refiner {
     const Point center = tetrahedron.center();
     const bool is_forced = splits_.contains(center);
     if (!is_forced && (growth > kMostGrowth || !is_worth_splitting(tetrahedron, mesh))) {
-      mesh::weld(mesh);
+      out.revived += weld_cut(tetrahedron, mesh);
       if (!mesh.triangles.empty())
         out.leaves.push_back(
             store_tetrahedron(workspace_, hierarchy::id_of(tetrahedron), {std::move(mesh), {}}));
@@ -176,7 +179,8 @@ class BucketCutter {
 
 class Partitioner {
  public:
-  Partitioner(const Workspace& workspace, Catalog& catalog) : workspace_(workspace), catalog_(catalog) {}
+  Partitioner(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>&& groups)
+      : workspace_(workspace), catalog_(catalog), groups_(std::move(groups)) {}
 
   Partition run() {
     cut_buckets();
@@ -193,11 +197,8 @@ class Partitioner {
 
  private:
   void cut_buckets() {
-    const std::uint32_t survey = last_phase(workspace_);
-    std::vector<TriangleGroup> groups = join_vertices(workspace_, catalog_);
-    release_phases_up_to(workspace_, survey);
-    Buckets filled = fill_buckets(workspace_, catalog_, groups, {}, {hierarchy::kMaxLevel / 3});
-    groups = {};
+    Buckets filled = fill_buckets(workspace_, catalog_, groups_, {}, {hierarchy::kMaxLevel / 3});
+    groups_ = {};
     release_phases_up_to(workspace_, last_phase(workspace_) - 1);
     const std::vector<BucketRecord> buckets = give_attributes(workspace_, catalog_, std::move(filled), {});
     release_phases_up_to(workspace_, last_phase(workspace_) - 1);
@@ -207,6 +208,7 @@ class Partitioner {
         [&](std::span<const std::byte> task) {
           LoadedBucket bucket = load_bucket(workspace_, task);
           Refinement out;
+          out.revived += revive_lost(bucket.lost, geometry::kInputSpacing, bucket.cube, bucket.mesh).pairs;
           Refiner refiner(workspace_, partition_.splits);
           BucketCutter(bucket.cube, refiner, out).cut(std::move(bucket.mesh));
           return out.to_bytes();
@@ -220,6 +222,7 @@ class Partitioner {
 
   void take(Refinement&& result) {
     partition_.leaves.insert(partition_.leaves.end(), result.leaves.begin(), result.leaves.end());
+    partition_.revived += result.revived;
     new_splits_.insert(new_splits_.end(), result.splits.begin(), result.splits.end());
   }
 
@@ -279,6 +282,7 @@ class Partitioner {
 
   const Workspace& workspace_;
   Catalog& catalog_;
+  std::vector<TriangleGroup> groups_;
   Partition partition_;
   std::vector<Point> new_splits_;  // on rank 0
   int completions_ = 0;
@@ -286,8 +290,8 @@ class Partitioner {
 
 }  // namespace
 
-Partition partition(const Workspace& workspace, Catalog& catalog) {
-  return Partitioner(workspace, catalog).run();
+Partition partition(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>&& groups) {
+  return Partitioner(workspace, catalog, std::move(groups)).run();
 }
 
 }  // namespace colossus::build

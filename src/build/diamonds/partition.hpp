@@ -3,7 +3,7 @@
 
 #include <unordered_set>
 
-#include "build/catalog.hpp"
+#include "build/join.hpp"
 #include "build/diamonds/tetrahedron_mesh.hpp"
 
 namespace colossus::build {
@@ -14,6 +14,7 @@ struct Partition {
   DiamondSet splits;  // closed under parents; the same on all ranks
   std::vector<TetrahedronRecord>
       leaves;                     // on rank 0: the non-empty leaf tetrahedra, ordered by level, centre, place
+  std::uint64_t revived = 0;      // on rank 0: pairs of triangles that stand for what the lattice took
   std::uint32_t first_phase = 0;  // in whose scratch the leaves lie
   std::uint32_t last_phase = 0;
 };
@@ -25,8 +26,7 @@ struct Partition {
 // would keep more than nine tenths of its triangles, and halves together more than 1.05 times as many: a
 // split that merely moves all into one half is followed further, so that a far outlier does not leave the
 // statue in one leaf. It also stays when the cuts on the way to it have made more than eight pieces of each
-// triangle, as happens to bundles of long slivers. Fills the catalogue's counts of degenerate and duplicate
-// triangles and of border and non-manifold edges.
-Partition partition(const Workspace& workspace, Catalog& catalog);
+// triangle, as happens to bundles of long slivers. Fills the catalogue's area and counts.
+Partition partition(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>&& groups);
 
 }  // namespace colossus::build
