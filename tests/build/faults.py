@@ -6,6 +6,7 @@ import errno
 import filecmp
 import os
 import random
+import select
 import shutil
 import signal
 import struct
@@ -86,6 +87,18 @@ def is_alive(pid):
             return file.read().rsplit(")", 1)[1].split()[0] not in "ZX"
     except OSError:
         return False
+
+
+def outlives(pid, seconds=60):
+    """Whether the process is there for so long still: mpirun may end while its last ranks are being torn down."""
+    try:
+        handle = os.pidfd_open(pid)
+    except OSError:
+        return False
+    try:
+        return is_alive(pid) and not select.select([handle], [], [], seconds)[0]
+    finally:
+        os.close(handle)
 
 
 class Builder:

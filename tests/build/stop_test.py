@@ -39,7 +39,7 @@ class Stop(faults.FaultTest):
         self.assertEqual(run.status, faults.STOPPED, f"{what}: {run}")
         self.assertEqual(run.errors, [], what)
         self.assertFalse(os.path.exists(builder.output), what)
-        self.assertFalse([pid for pid in run.pids if faults.is_alive(pid)], f"{what}: ranks are left")
+        self.assertFalse([pid for pid in run.pids if faults.outlives(pid)], f"{what}: ranks are left")
         lines = [line for line in run.text("stdout").splitlines() if "  stopped" in line]
         self.assertEqual(len(lines), 1, f"{what}: {run}")
         self.assertIn("run the same command with --resume to continue", lines[0])
