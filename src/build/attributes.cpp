@@ -94,8 +94,7 @@ std::vector<ForNeighbor> tell_neighbors(const Workspace& workspace, const Bucket
   for (std::size_t i = 0; i < needs.size();) {
     const std::uint32_t bucket = needs[i].bucket;
     vertices.clear();
-    for (; i < needs.size() && needs[i].bucket == bucket; ++i)
-      vertices.push_back(vertex(needs[i].vertex));
+    for (; i < needs.size() && needs[i].bucket == bucket; ++i) vertices.push_back(vertex(needs[i].vertex));
     lists.push_back({bucket, 0,
                      workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kAttributes),
                                              core::as_bytes(vertices))});
@@ -145,14 +144,14 @@ void take_counts(Catalog& catalog, const std::vector<BucketCounts>& of_buckets) 
     triangles += own.triangles;
     for (std::size_t k = 0; k < 4; ++k) is_on_diagonal[k] = is_on_diagonal[k] && own.is_off_diagonal[k] == 0;
   }
-  const std::string name = catalog.files.size() == 1 ? catalog.files[0].name : "all inputs";
   const bool is_line = std::find(is_on_diagonal.begin(), is_on_diagonal.end(), true) != is_on_diagonal.end();
   if (triangles == counts.collinear || is_line)
-    core::fail(core::Status::kBadData,
-               "{}: no triangle with an area is left: of {} triangles {} are degenerate, {} are so small that they "
-               "collapse on the lattice, and the corners of the others are collinear{}: nothing can be built{}",
-               name, counts.triangles, counts.degenerate, counts.collapsed,
-               is_line && triangles > 0 ? ", all on one line" : "", far_corner_text(catalog));
+    core::fail(
+        core::Status::kBadData,
+        "{}: no triangle with an area is left: of {} triangles {} are degenerate, {} are so small that they "
+        "collapse on the lattice, and the corners of the others are collinear{}: nothing can be built{}",
+        catalog.input_name(), counts.triangles, counts.degenerate, counts.collapsed,
+        is_line && triangles > 0 ? ", all on one line" : "", far_corner_text(catalog));
 }
 
 }  // namespace
@@ -217,8 +216,8 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
 
 void log_counts(const InputCounts& c) {
   core::log(
-      "partition: {} degenerate, {} duplicate and {} opposite triangles dropped, {} collapsed; {} collinear ones "
-      "stay; {} border, {} non-manifold and {} inconsistently oriented edges",
+      "partition: {} degenerate, {} duplicate and {} opposite triangles dropped, {} collapsed; {} collinear "
+      "ones stay; {} border, {} non-manifold and {} inconsistently oriented edges",
       c.degenerate, c.duplicate, c.opposite, c.collapsed, c.collinear, c.border_edges, c.nonmanifold_edges,
       c.inconsistent_edges);
 }

@@ -18,9 +18,9 @@ struct BucketRecord {
 
 // Makes the meshes of all buckets, see BucketMesh, and has them tell each other the attributes of positions
 // that triangles share. On rank 0: the buckets that are not empty, the largest first, so that none of them
-// starts last. Completes the catalogue's area and its counts of triangles, edges and vertices of the input, on
-// all ranks. Throws Error(kNoResources) when a bucket is too crowded for the memory limit, Error(kBadData) when
-// the input has no surface to build of. Collective.
+// starts last. Completes the catalogue's area and its counts of triangles, edges and vertices of the input,
+// on all ranks. Throws Error(kNoResources) when a bucket is too crowded for the memory limit, Error(kBadData)
+// when the input has no surface to build of. Collective.
 std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& catalog, Buckets&& buckets,
                                           const Rounding& rounding);
 

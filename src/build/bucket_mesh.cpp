@@ -235,8 +235,7 @@ bool BucketMesh::are_copies(std::uint32_t i, std::uint32_t j) const {
   if (prints_.empty()) return true;
   const auto corners = [&](std::uint32_t triangle) {
     std::array<std::pair<std::uint32_t, std::uint16_t>, 3> pairs;
-    for (std::size_t k = 0; k < 3; ++k)
-      pairs[k] = {places_.triangles[triangle][k], prints_[triangle][k]};
+    for (std::size_t k = 0; k < 3; ++k) pairs[k] = {places_.triangles[triangle][k], prints_[triangle][k]};
     std::sort(pairs.begin(), pairs.end());
     return pairs;
   };
@@ -259,8 +258,8 @@ void BucketMesh::measure_triangles() {
   counts_.input = census_of_edges(places_.triangles, places_.vertices, rounding_, cube_);
 }
 
-// Of a line, the input's box has the line for a diagonal: the first axis rises along all four of them, the others by
-// the bits of `diagonal`.
+// Of a line, the input's box has the line for a diagonal: the first axis rises along all four of them, the
+// others by the bits of `diagonal`.
 bool BucketMesh::is_on_diagonal(std::size_t diagonal, const std::array<Point, 3>& corners) const {
   Point from = box_.low, to = box_.high;
   for (const int axis : {1, 2})
@@ -322,17 +321,17 @@ void BucketMesh::settle_rounded(const std::vector<std::uint32_t>& first, const s
   if (has_fins) counts_.finest = census_of_edges(mesh_.triangles, mesh_.vertices, {}, cube_);
 }
 
-// Of the touched triangles, pairs of opposite ones go that are no wider than half the diagonal of the grid, if
-// their longest edge has other triangles, which are in no pair. On the grid such a pair lies within the box
-// of that edge, so every bucket that sees the pair sees these too. Returns whether there were any.
+// Of the touched triangles, pairs of opposite ones go that are no wider than half the diagonal of the grid,
+// if their longest edge has other triangles, which are in no pair. On the grid such a pair lies within the
+// box of that edge, so every bucket that sees the pair sees these too. Returns whether there were any.
 bool BucketMesh::drop_fins(const std::vector<std::uint32_t>& touched, std::vector<bool>& is_dropped) {
   std::map<mesh::Triangle, std::vector<std::uint32_t>> by_corners;
   for (const auto i : touched) by_corners[sorted_corners(mesh_.triangles[i])].push_back(i);
   std::vector<bool> is_in_pair(mesh_.triangles.size(), false);
   std::vector<Fin> fins;
   for (const auto& [corners, together] : by_corners) {
-    // What lay at the same places before was laid onto each other by the lattice, if at all: not all buckets see that
-    // rounding touches it.
+    // What lay at the same places before was laid onto each other by the lattice, if at all: not all buckets
+    // see that rounding touches it.
     std::vector<std::uint32_t> group;
     for (const auto i : together)
       if (std::none_of(together.begin(), together.end(), [&](std::uint32_t j) {
@@ -353,8 +352,7 @@ bool BucketMesh::drop_fins(const std::vector<std::uint32_t>& touched, std::vecto
   for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
     if (is_in_pair[i] || is_dropped[i]) continue;
     for (std::size_t k = 0; k < 3; ++k)
-      if (const auto edge = goes_on.find(
-              std::minmax(mesh_.triangles[i][k], mesh_.triangles[i][(k + 1) % 3]));
+      if (const auto edge = goes_on.find(std::minmax(mesh_.triangles[i][k], mesh_.triangles[i][(k + 1) % 3]));
           edge != goes_on.end())
         edge->second = true;
   }

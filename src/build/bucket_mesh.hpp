@@ -40,9 +40,9 @@ struct BucketCounts {
   std::uint64_t collinear = 0;  // of these
   // By diagonal of the input's box: 1 if one of these has a corner that the lattice can tell from that line.
   std::array<std::uint64_t, 4> is_off_diagonal{};
-  EdgeCensus input;             // of these
-  EdgeCensus finest;            // of what rounding has left of these
-  double area = 0.0;            // of these, before rounding; square units of the lattice of 2^30
+  EdgeCensus input;   // of these
+  EdgeCensus finest;  // of what rounding has left of these
+  double area = 0.0;  // of these, before rounding; square units of the lattice of 2^30
 };
 
 // The input's bounds on the lattice.
@@ -58,10 +58,11 @@ struct InputBox {
 //
 // Of triangles over the same three points of the input the first one stays, whichever way the others look:
 // exporters write each triangle of a two-sided material twice. (Flat ones, which the lattice cannot tell from
-// collinear ones, both stay where they look at each other: they close T-junctions.) What only the lattice or rounding lets coincide
-// (fingerprint.hpp) is no copy: it stays, or the surface would open. But of two that rounding has laid onto
-// each other with opposite orientation, which lay at different places before, both go where they are thin and their longest edge has other
-// triangles: a fin that was folded flat. What the removal moves is in lost().
+// collinear ones, both stay where they look at each other: they close T-junctions.) What only the lattice or
+// rounding lets coincide (fingerprint.hpp) is no copy: it stays, or the surface would open. But of two that
+// rounding has laid onto each other with opposite orientation, which lay at different places before, both go
+// where they are thin and their longest edge has other triangles: a fin that was folded flat. What the
+// removal moves is in lost().
 //
 // The normal of a position is the sum of the normals that its vertices were read with, or else of the cross
 // products of all triangles around it, duplicates too: 128-bit integers, which depend on no order. Colours
@@ -74,8 +75,8 @@ class BucketMesh {
 
   mesh::Mesh& mesh() { return mesh_; }
   const BucketCounts& counts() const { return counts_; }
-  // Triangles that lattice or rounding took away, as they lie after rounding. All buckets that a triangle's box
-  // meets have it.
+  // Triangles that lattice or rounding took away, as they lie after rounding. All buckets that a triangle's
+  // box meets have it.
   const std::vector<LostTriangle>& lost() const { return lost_; }
 
  private:

@@ -43,8 +43,7 @@ class Assignment {
         continue;
       }
       std::array<Point, 3> p;
-      for (std::size_t k = 0; k < 3; ++k)
-        p[k] = rounding(piece.vertices[piece.triangles[i][k]].position);
+      for (std::size_t k = 0; k < 3; ++k) p[k] = rounding(piece.vertices[piece.triangles[i][k]].position);
       if (mesh::is_degenerate(p[0], p[1], p[2])) ++collapsed_;
       Point low, high;
       for (int axis = 0; axis < 3; ++axis) {

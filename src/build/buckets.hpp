@@ -25,10 +25,10 @@ struct BucketOptions {
   std::uint64_t most_pieces = std::uint64_t{1} << 20;
 };
 
-// Sends every triangle that has three different corners to all buckets that its bounding box meets, once it is
-// rounded: a bucket gets all triangles around any position in its cube. Triangles that lose a corner to lattice
-// or rounding are sent too, since they may have a normal, and must not be lost. Counts these, and those that
-// had no three corners, in the catalogue, on rank 0. Collective.
+// Sends every triangle that has three different corners to all buckets that its bounding box meets, once it
+// is rounded: a bucket gets all triangles around any position in its cube. Triangles that lose a corner to
+// lattice or rounding are sent too, since they may have a normal, and must not be lost. Counts these, and
+// those that had no three corners, in the catalogue, on rank 0. Collective.
 Buckets fill_buckets(const Workspace& workspace, Catalog& catalog, std::span<const TriangleGroup> groups,
                      const Rounding& rounding, const BucketOptions& options);
 

@@ -88,7 +88,7 @@ struct Catalog {
   std::vector<InputFile> files;
   std::vector<VertexBlockRef> vertex_blocks;      // ascending
   std::vector<TriangleBlockRef> triangle_blocks;  // in the order of the files' faces
-  geometry::Bounds bounds;  // of the vertices that triangles use
+  geometry::Bounds bounds;                        // of the vertices that triangles use
   FarCorner far_corner;
   geometry::Lattice lattice;
   // On the lattice, of what is left of the input; in square lattice units, so that it cannot overflow.
@@ -99,6 +99,9 @@ struct Catalog {
   std::uint64_t block_vertices = 0;
   bool has_normals = false;  // at least one file has them; the others' are computed
   bool has_colors = false;
+
+  // For messages.
+  std::string input_name() const { return files.size() == 1 ? files[0].name : "all inputs"; }
 };
 
 }  // namespace colossus::build

@@ -13,9 +13,9 @@ namespace colossus::build {
 BuildEstimate estimate(const BuildOptions& options, const Catalog& catalog, const Occupancy& occupancy,
                        std::uint64_t resident_bytes);
 
-// Once the survey's and the requests' scratch is written, some 16 bytes per triangle beside the copy of the input.
-// Logs the estimate and passes it to the reporter. `resident_bytes` as above. Throws Error(kNoResources) that
-// tells what is needed and what there is when it cannot fit. Collective.
+// Once the survey's and the requests' scratch is written, some 16 bytes per triangle beside the copy of the
+// input. Logs the estimate and passes it to the reporter. `resident_bytes` as above. Throws
+// Error(kNoResources) that tells what is needed and what there is when it cannot fit. Collective.
 void announce_estimate(const Workspace& workspace, const Catalog& catalog, std::uint64_t resident_bytes);
 
 }  // namespace colossus::build

@@ -46,7 +46,8 @@ RangeExtent look_at_range(const Workspace& workspace, const Catalog& catalog,
   RangeExtent range;
   std::uint64_t stride = 1;
   visit_requested(workspace, catalog, task, [&](std::uint64_t, const Position& read) {
-    // + 0.0: of a negative zero and a positive one bounds would keep whichever came first, and ranges come in any order.
+    // + 0.0: of a negative zero and a positive one bounds would keep whichever came first, and ranges come in
+    // any order.
     const Position p{read[0] + 0.0, read[1] + 0.0, read[2] + 0.0};
     range.bounds.add(p);
     if (range.count++ % stride != 0) return;
@@ -177,11 +178,7 @@ class ExtentMeasurer {
         core::fail(core::Status::kBadData,
                    "{}: coordinate {} ranges from {} to {}: too large, what is expected are magnitudes of at "
                    "most {}, whose differences are numbers",
-                   input_text(), "xyz"[axis], bounds.low[axis], bounds.high[axis], kGreatestCoordinate);
-  }
-
-  std::string input_text() const {
-    return catalog_.files.size() == 1 ? catalog_.files[0].name : std::string("the input");
+                   catalog_.input_name(), "xyz"[axis], bounds.low[axis], bounds.high[axis], kGreatestCoordinate);
   }
 
   // Whether the samples leave it open that there is a far corner.
@@ -212,10 +209,9 @@ class ExtentMeasurer {
         [&](std::span<const std::byte> task) {
           const auto middle = ByteReader(task).get<Middle>();
           Shells shells;
-          visit_requested(workspace_, catalog_, task.subspan(sizeof(Middle)),
-                          [&](std::uint64_t number, const Position& p) {
-                            shells.add(number, p, middle.distance(p));
-                          });
+          visit_requested(
+              workspace_, catalog_, task.subspan(sizeof(Middle)),
+              [&](std::uint64_t number, const Position& p) { shells.add(number, p, middle.distance(p)); });
           return shells.to_bytes();
         },
         [&](std::size_t, const Bytes& bytes) {
@@ -249,8 +245,9 @@ class ExtentMeasurer {
     const double without =
         corner.core.extent() > 0.0 ? geometry::Lattice::fit(corner.core).input_error() : 0.0;
     core::warn(
-        "{}: vertex {}, a corner at {} {} {}, lies far from the rest: {} of {} vertices lie within {} {} {} to {} {} {}. "
-        "It makes the lattice coarse: vertices move by up to {}, and without what is so far by up to {}",
+        "{}: vertex {}, a corner at {} {} {}, lies far from the rest: {} of {} vertices lie within {} {} {} "
+        "to {} {} {}. It makes the lattice coarse: vertices move by up to {}, and without what is so far by "
+        "up to {}",
         catalog_.files[corner.file].name, corner.vertex, corner.position[0], corner.position[1],
         corner.position[2], count, used_, corner.core.low[0], corner.core.low[1], corner.core.low[2],
         corner.core.high[0], corner.core.high[1], corner.core.high[2],
@@ -260,14 +257,12 @@ class ExtentMeasurer {
   // File and vertex of a number over all files.
   void name(std::uint64_t number) {
     const auto& blocks = catalog_.vertex_blocks;
-    const auto after = std::partition_point(blocks.begin(), blocks.end(), [&](const VertexBlockRef& block) {
-      return block.first <= number;
-    });
+    const auto after = std::partition_point(
+        blocks.begin(), blocks.end(), [&](const VertexBlockRef& block) { return block.first <= number; });
     FarCorner& corner = catalog_.far_corner;
     corner.file = (after - 1)->file;
-    const auto first = std::find_if(blocks.begin(), blocks.end(), [&](const VertexBlockRef& block) {
-      return block.file == corner.file;
-    });
+    const auto first = std::find_if(blocks.begin(), blocks.end(),
+                                    [&](const VertexBlockRef& block) { return block.file == corner.file; });
     corner.vertex = number - first->first;
   }
 
@@ -337,12 +332,13 @@ std::string far_corner_text(const Catalog& catalog) {
 void refuse_far_corner(const BuildOptions& options, const Catalog& catalog, double apart) {
   const FarCorner& corner = catalog.far_corner;
   if (!corner.is_far || options.keep_outliers || !(apart > corner.median_edge)) return;
-  core::fail(core::Status::kBadData,
-             "{}: vertex {}, a corner at {} {} {}, lies so far from the rest that points up to {} apart may fall "
-             "together, more than the median edge of {}: remove the triangles there, or go on with "
-             "--keep-outliers",
-             catalog.files[corner.file].name, corner.vertex, corner.position[0], corner.position[1],
-             corner.position[2], apart, corner.median_edge);
+  core::fail(
+      core::Status::kBadData,
+      "{}: vertex {}, a corner at {} {} {}, lies so far from the rest that points up to {} apart may fall "
+      "together, more than the median edge of {}: remove the triangles there, or go on with "
+      "--keep-outliers",
+      catalog.files[corner.file].name, corner.vertex, corner.position[0], corner.position[1],
+      corner.position[2], apart, corner.median_edge);
 }
 
 }  // namespace colossus::build

@@ -32,10 +32,10 @@ void refuse_lost_surface(const Catalog& catalog, const Hierarchy& hierarchy) {
   const std::uint64_t triangles = hierarchy.finest_triangles();
   if (triangles > 0 && areas.finest >= kLeastShare * areas.input) return;
   core::fail(core::Status::kBadData,
-             "{}: the finest level would have {} triangles and {:.2f} % of the input's area, since what is finer than "
-             "its quantisation falls together: build with more --position-bits, with smaller leaves "
+             "{}: the finest level would have {} triangles and {:.2f} % of the input's area, since what is "
+             "finer than its quantisation falls together: build with more --position-bits, with smaller leaves "
              "(--leaf-triangles), or in parts{}",
-             catalog.files.size() == 1 ? catalog.files[0].name : "all inputs", triangles,
+             catalog.input_name(), triangles,
              100.0 * areas.finest / areas.input, far_corner_text(catalog));
 }
 
@@ -46,8 +46,9 @@ void log_finest_level(const Catalog& catalog, const Hierarchy& hierarchy) {
             hierarchy.finest_triangles(), percent, catalog.counts.finest_border_edges,
             catalog.counts.finest_nonmanifold_edges);
   if (areas.differs())
-    core::warn("the finest level has {:.3f} % of the input's area: what is thinner than its quantisation is rough",
-               percent);
+    core::warn(
+        "the finest level has {:.3f} % of the input's area: what is thinner than its quantisation is rough",
+        percent);
 }
 
 }  // namespace colossus::build

@@ -17,8 +17,8 @@ struct AreaCheck {
   int position_bits = 0;
 };
 
-// Throws Error(kBadData) when the leaves of the hierarchy, whose lattice is set, have no triangle, or less than half of
-// the input's area. Not collective; as soon as the leaves are made.
+// Throws Error(kBadData) when the leaves of the hierarchy, whose lattice is set, have no triangle, or less
+// than half of the input's area. Not collective; as soon as the leaves are made.
 void refuse_lost_surface(const Catalog& catalog, const Hierarchy& hierarchy);
 
 // Says in the log how the finest level compares with the input, and warns where areas differ. Not collective.

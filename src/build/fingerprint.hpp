@@ -1,11 +1,12 @@
 // Tells positions apart that only the lattice lets coincide.
 //
-// Two vertices of the input are one point if their coordinates are equal as doubles. On the lattice they may be
-// one although they are not: then two opposite triangles over them are two sides of something thin, and not a
-// surface that was written twice. So until duplicates have been found, a vertex carries 15 bits of a hash of
-// its coordinates. Two corners that differ go for the same once in 2^15; what follows is that one side of a
-// thin thing stays instead of both, or that a triangle smaller than a cell of the lattice is called degenerate. The bits cost nothing in scratch: lattice positions of the input have
-// known residues modulo 8 (geometry/lattice.hpp), and never use their two highest bits.
+// Two vertices of the input are one point if their coordinates are equal as doubles. On the lattice they may
+// be one although they are not: then two opposite triangles over them are two sides of something thin, and
+// not a surface that was written twice. So until duplicates have been found, a vertex carries 15 bits of a
+// hash of its coordinates. Two corners that differ go for the same once in 2^15; what follows is that one
+// side of a thin thing stays instead of both, or that a triangle smaller than a cell of the lattice is called
+// degenerate. The bits cost nothing in scratch: lattice positions of the input have known residues modulo 8
+// (geometry/lattice.hpp), and never use their two highest bits.
 #pragma once
 
 #include <array>
@@ -46,10 +47,9 @@ inline void take_apart(const geometry::Point& packed, mesh::Vertex& vertex) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto c = static_cast<std::uint32_t>(packed[axis]);
     fingerprint |= ((c & 7U) | (c >> geometry::kRootBits) << 3) << (5 * axis);
-    vertex.position[axis] =
-        static_cast<std::int32_t>((c & ((1U << geometry::kRootBits) - 1U) & ~7U) |
-                                  static_cast<std::uint32_t>(
-                                      geometry::kInputResidue[static_cast<std::size_t>(axis)]));
+    vertex.position[axis] = static_cast<std::int32_t>(
+        (c & ((1U << geometry::kRootBits) - 1U) & ~7U) |
+        static_cast<std::uint32_t>(geometry::kInputResidue[static_cast<std::size_t>(axis)]));
   }
   vertex.fingerprint = static_cast<std::uint16_t>(fingerprint);
 }

@@ -76,8 +76,8 @@ struct Hierarchy {
   std::uint64_t finest_triangles() const;
 };
 
-// Throws Error(kUsage) when the greatest error of the finest level is above options.tolerance. Not collective;
-// before the first level is simplified.
+// Throws Error(kUsage) when the greatest error of the finest level is above options.tolerance. Not
+// collective; before the first level is simplified.
 void require_tolerance(const BuildOptions& options, double greatest_error);
 
 // When a level has more than a tenth more triangles than were aimed at. Not collective.

@@ -119,8 +119,8 @@ TriangleGroup make_group(const Workspace& workspace, const Catalog& catalog, con
   return group;
 }
 
-// Calls visit(first, positions, normals, colors) for the blocks of a range of vertices, the arrays being those
-// of the vertices `first`, `first` + 1 ... of the range.
+// Calls visit(first, positions, normals, colors) for the blocks of a range of vertices, the arrays being
+// those of the vertices `first`, `first` + 1 ... of the range.
 template <typename Visit>
 void visit_range(const Workspace& workspace, const Catalog& catalog, std::uint64_t range,
                  const Visit& visit) {
@@ -176,21 +176,21 @@ class RequestedOffsets {
 std::vector<mesh::Vertex> load_range(const Workspace& workspace, const Catalog& catalog,
                                      const RequestedOffsets& requested) {
   std::vector<mesh::Vertex> vertices;
-  visit_range(workspace, catalog, requested.range(),
-              [&](std::size_t first, const auto& positions, const auto& normals, const auto& colors) {
-                vertices.resize(first + positions.size());
-                for (std::size_t i = 0; i < positions.size(); ++i) {
-                  if (!requested.has(first + i)) continue;
-                  mesh::Vertex& v = vertices[first + i];
-                  v.position = catalog.lattice.input_vertex(positions[i]);
-                  v.fingerprint = fingerprint_of(positions[i]);
-                  v.normal = {0, 0, 0};
-                  if (!normals.empty() &&
-                      (normals[i][0] != 0.0F || normals[i][1] != 0.0F || normals[i][2] != 0.0F))
-                    v.normal = geometry::to_normal16(normals[i][0], normals[i][1], normals[i][2]);
-                  if (!colors.empty()) v.color = colors[i];
-                }
-              });
+  visit_range(
+      workspace, catalog, requested.range(),
+      [&](std::size_t first, const auto& positions, const auto& normals, const auto& colors) {
+        vertices.resize(first + positions.size());
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+          if (!requested.has(first + i)) continue;
+          mesh::Vertex& v = vertices[first + i];
+          v.position = catalog.lattice.input_vertex(positions[i]);
+          v.fingerprint = fingerprint_of(positions[i]);
+          v.normal = {0, 0, 0};
+          if (!normals.empty() && (normals[i][0] != 0.0F || normals[i][1] != 0.0F || normals[i][2] != 0.0F))
+            v.normal = geometry::to_normal16(normals[i][0], normals[i][1], normals[i][2]);
+          if (!colors.empty()) v.color = colors[i];
+        }
+      });
   return vertices;
 }
 
@@ -272,8 +272,8 @@ void answer_requests(const Workspace& workspace, const Catalog& catalog, std::ve
       workspace, "answers", ranges.size(), [&](std::size_t i) { return ranges.task(i); },
       [&](std::span<const std::byte> task) { return answer_range(workspace, catalog, task); },
       [&](std::size_t i, const Bytes& result) {
-        answers[i] = ByteReader(result).get_array<scratch::RecordRef>(result.size() /
-                                                                      sizeof(scratch::RecordRef));
+        answers[i] =
+            ByteReader(result).get_array<scratch::RecordRef>(result.size() / sizeof(scratch::RecordRef));
       });
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const std::vector<VertexSlice*> slices = ranges.slices(i, groups);

@@ -20,8 +20,8 @@ class Reviver {
       : spacing_(spacing), cube_(cube), mesh_(mesh) {
     for (const LostTriangle& triangle : lost) {
       if (triangle.is_fin())
-        fins_.push_back({triangle.corners[0].position, triangle.corners[1].position,
-                         triangle.corners[2].position});
+        fins_.push_back(
+            {triangle.corners[0].position, triangle.corners[1].position, triangle.corners[2].position});
       else
         add(triangle);
     }
@@ -84,9 +84,7 @@ class Reviver {
       b = number_of(ends[1]);
       // Along the axis on which the segment extends least: never on its line.
       int axis = 0;
-      const auto along = [&](int k) {
-        return std::abs(std::int64_t{segment.first[k]} - segment.second[k]);
-      };
+      const auto along = [&](int k) { return std::abs(std::int64_t{segment.first[k]} - segment.second[k]); };
       for (const int k : {1, 2})
         if (along(k) < along(axis)) axis = k;
       c = number_of(beside(ends[0], axis));

@@ -113,8 +113,9 @@ void add_verify(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand(
       "verify", "Check a container: bytes, structure, every face or parent map, every uniform cut");
   command->add_option("container", arguments->container, "The container")->required();
-  command->add_option("--against", arguments->against,
-                      "The input files: compare numbers, bounds and area, and by sampling each level both ways");
+  command->add_option(
+      "--against", arguments->against,
+      "The input files: compare numbers, bounds and area, and by sampling each level both ways");
   command->add_option("--samples", arguments->samples, "Samples per node with --against")
       ->capture_default_str();
   command->add_flag("--drop-textures", arguments->drop_textures, "As for build");

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "codec/places.hpp"
@@ -30,8 +29,8 @@ struct Pair {
 
 class PairFinder {
  public:
-  PairFinder(const hierarchy::Tetrahedron& tetrahedron, int position_bits, const std::vector<Weights>& weights,
-             const std::vector<Triangle>& triangles)
+  PairFinder(const hierarchy::Tetrahedron& tetrahedron, int position_bits,
+             const std::vector<Weights>& weights, const std::vector<Triangle>& triangles)
       : tetrahedron_(tetrahedron),
         scale_(1.0 / static_cast<double>(std::int64_t{1} << position_bits)),
         weights_(weights),
@@ -54,7 +53,8 @@ class PairFinder {
     std::int64_t squared = 0;
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = 0; j < i; ++j)
-        squared = std::max(squared, geometry::squared_distance(tetrahedron_.corners[i], tetrahedron_.corners[j]));
+        squared =
+            std::max(squared, geometry::squared_distance(tetrahedron_.corners[i], tetrahedron_.corners[j]));
     return scale_ * std::sqrt(static_cast<double>(squared));
   }
 
@@ -85,7 +85,8 @@ class PairFinder {
       if (squares[k] > squares[longest]) longest = k;
     }
     const double doubled = geometry::length(geometry::cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0])));
-    return {{one, other}, std::minmax(t[longest], t[(longest + 1) % 3]), doubled / std::sqrt(squares[longest])};
+    return {
+        {one, other}, std::minmax(t[longest], t[(longest + 1) % 3]), doubled / std::sqrt(squares[longest])};
   }
 
   const hierarchy::Tetrahedron& tetrahedron_;

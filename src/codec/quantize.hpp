@@ -26,8 +26,8 @@ class Barycentric {
 
 struct Quantized {
   QuantizedTetrahedron tetrahedron;
-  // Upper bound of the distance, in lattice units, by which storing moved the surface, in both directions: the
-  // largest movement of a vertex, and how far the widest fin that was dropped reached.
+  // Upper bound of the distance, in lattice units, by which storing moved the surface, in both directions:
+  // the largest movement of a vertex, and how far the widest fin that was dropped reached.
   double displacement = 0.0;
   // False: no two vertices have equal weights. True: some have, or had on the way.
   bool has_shared_places = false;
@@ -39,12 +39,13 @@ struct QuantizeOptions {
   bool colors = false;
 };
 
-// Triangles whose corners fall together are dropped and these vertices merged; where nothing else would be left
-// of the surface, two triangles back to back stay for them (codec/lost.hpp). Of two opposite triangles over the
-// same vertices both go where they are a fin thinner than a unit of weight, else both stay, apart from the rest. Vertices that fall
-// together otherwise are a pinch, which is legal unless edges do so too: then vertices step aside or edges are
-// split, so that quantisation makes no edge non-manifold. Triangles keep their order, vertices come out in
-// order of first use. A mesh that is not empty does not come out empty.
+// Triangles whose corners fall together are dropped and these vertices merged; where nothing else would be
+// left of the surface, two triangles back to back stay for them (codec/lost.hpp). Of two opposite triangles
+// over the same vertices both go where they are a fin thinner than a unit of weight, else both stay, apart
+// from the rest. Vertices that fall together otherwise are a pinch, which is legal unless edges do so too:
+// then vertices step aside or edges are split, so that quantisation makes no edge non-manifold. Triangles
+// keep their order, vertices come out in order of first use. A mesh that is not empty does not come out
+// empty.
 Quantized quantize(mesh::Mesh mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
                    const QuantizeOptions& options);
 

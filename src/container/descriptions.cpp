@@ -167,7 +167,8 @@ constexpr Meaning kRows[] = {
     {"options", "position_bits", "position_bits of /lattice"},
     {"options", "codec", "How payloads are encoded: predict, zstd or paper"},
     {"options", "tolerance",
-     "Largest error of the finest level that was asked for; it has chosen position_bits; unit: that of the input"},
+     "Largest error of the finest level that was asked for; it has chosen position_bits; unit: that of the "
+     "input"},
     {"options", "keep_outliers",
      "true: a few far corners were accepted although they make the lattice coarse"},
     {"options", "drop_textures",
@@ -205,8 +206,8 @@ constexpr Meaning kRows[] = {
     {"counts", "small_faces", "Faces with fewer than three corners; dropped"},
     {"counts", "degenerate", "Triangles with two corners at one position of the input; dropped"},
     {"counts", "collapsed",
-     "Triangles with two corners that only the lattice, or the grid of blocks, lets coincide; the surface goes on "
-     "without them, or two triangles back to back stand for them"},
+     "Triangles with two corners that only the lattice, or the grid of blocks, lets coincide; the surface "
+     "goes on without them, or two triangles back to back stand for them"},
     {"counts", "duplicate",
      "Triangles over the same three corners as an earlier one, turned the same way; dropped"},
     {"counts", "opposite", "Triangles over the same three corners as an earlier one, turned over; dropped"},
@@ -227,8 +228,8 @@ constexpr Meaning kRows[] = {
     {"counts", "finest_nonmanifold_edges",
      "Edges of the finest level, welded by exact position, that more than two triangles use"},
     {"counts", "area_differs",
-     "1: finest_area differs from input_area by more than a thousandth although positions have 12 bits or more, as "
-     "the builder has found and said; else 0"},
+     "1: finest_area differs from input_area by more than a thousandth although positions have 12 bits or "
+     "more, as the builder has found and said; else 0"},
 };
 
 template <std::size_t N>

@@ -20,8 +20,8 @@ double root_side(const container::LatticeInfo& lattice) {
   return std::ldexp(lattice.step, lattice.root_bits);
 }
 
-// The larger of the root cube and the input, since a foreign input may be anything. What no triangle uses, such as a
-// marker at 1e300, must not make all that is used vanish.
+// The larger of the root cube and the input, since a foreign input may be anything. What no triangle uses,
+// such as a marker at 1e300, must not make all that is used vanish.
 Scale scale_for(const StatueFile& statue, const Surface& raw) {
   geometry::Bounds bounds;
   for (const mesh::Triangle& t : raw.triangles)

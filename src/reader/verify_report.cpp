@@ -108,8 +108,8 @@ void FindingLog::add_input_measure(std::uint64_t samples, double greatest_ratio)
 void FindingLog::check_census(const StatueFile& statue) {
   if (report_.levels.empty()) return;
   check_edges(FindingKind::kBorder, "border", &LevelReport::border_edges, statue.count_of("border_edges"));
-  // What the lattice lays onto each other is non-manifold from the finest level on, and the build says so. What only
-  // the places of a coarser level lay onto each other is so there, see check_edges().
+  // What the lattice lays onto each other is non-manifold from the finest level on, and the build says so.
+  // What only the places of a coarser level lay onto each other is so there, see check_edges().
   if (statue.count_of("finest_nonmanifold_edges").value_or(0) > 0) return;
   check_edges(FindingKind::kNonManifold, "non-manifold", &LevelReport::nonmanifold_edges,
               statue.count_of("nonmanifold_edges"));

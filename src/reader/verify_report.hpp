@@ -31,7 +31,7 @@ enum class FindingKind : std::uint8_t {
   kCount,          // numbers of triangles or vertices that are not the stored ones
   kArea,           // an area that is not the stored one
   kInputDistance,  // a point of the input farther from a level than the error stored there
-  kLooseError,  // more than half of the nodes store an error of more than four times the sampled distance
+  kLooseError,     // more than half of the nodes store an error of more than four times the sampled distance
 };
 inline constexpr std::size_t kFindingKinds = 18;
 std::string_view name_of(FindingKind kind);

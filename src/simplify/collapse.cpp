@@ -440,11 +440,10 @@ class Collapser {
     const Deviation deviation = measure_deviation(before_, region_.mesh, region_.cells,
                                                   outcome.representative, has_border, region_.samples);
     outcome.deviation = deviation.estimate();
-    // With the margin of all that is measured at some places only: what rests on a component now may have to rest
-    // on another one later.
+    // With the margin of all that is measured at some places only: what rests on a component now may have to
+    // rest on another one later.
     const double limit = std::max(outcome.deviation, region_.known_error) / kDeviationMargin;
-    const double dropped =
-        drop_components(region_, target_, limit, before_.vertices, outcome.representative);
+    const double dropped = drop_components(region_, target_, limit, before_.vertices, outcome.representative);
     outcome.deviation = std::max(outcome.deviation, dropped);
   }
 

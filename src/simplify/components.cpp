@@ -48,10 +48,10 @@ struct Component {
   Box box;
   Point least;  // of its corners: tells components apart, whatever the order of the triangles
   bool is_free = true;
-  double carried = 0.0;                  // greatest distance of a sample
-  std::vector<std::uint32_t> vertices;   // ascending
+  double carried = 0.0;                 // greatest distance of a sample
+  std::vector<std::uint32_t> vertices;  // ascending
   bool is_dropped = false;
-  bool is_support = false;               // a dropped one relies on it
+  bool is_support = false;  // a dropped one relies on it
 };
 
 class ComponentDropper {
@@ -176,8 +176,8 @@ class ComponentDropper {
     return true;
   }
 
-  // A sample at the corner that is farthest from what stands for the component: the input's samples may have been
-  // thinned out there. Returns how far that is.
+  // A sample at the corner that is farthest from what stands for the component: the input's samples may have
+  // been thinned out there. Returns how far that is.
   double pin_farthest(const Component& component, const Triangle& support) {
     std::uint32_t farthest = component.vertices.front();
     double greatest = -1.0;
@@ -207,7 +207,8 @@ class ComponentDropper {
 
   // The distance from a triangle is convex: no point of the component is farther than its farthest corner.
   bool is_within(const Component& component, const Triangle& t, double distance) const {
-    const Vec3 a = geometry::to_vec3(at(t[0])), b = geometry::to_vec3(at(t[1])), c = geometry::to_vec3(at(t[2]));
+    const Vec3 a = geometry::to_vec3(at(t[0])), b = geometry::to_vec3(at(t[1])),
+               c = geometry::to_vec3(at(t[2]));
     return std::all_of(component.vertices.begin(), component.vertices.end(), [&](std::uint32_t v) {
       const double squared =
           geometry::distance_to_triangle(geometry::to_vec3(at(v)), a, b, c, 2.0 * distance * distance + 1.0)
@@ -216,14 +217,13 @@ class ComponentDropper {
     });
   }
 
-  // What the component's vertices become: a corner of the triangle that stays, or else one of themselves, that is
-  // within reach of all that they stand for. kNone when there is none.
+  // What the component's vertices become: a corner of the triangle that stays, or else one of themselves,
+  // that is within reach of all that they stand for. kNone when there is none.
   std::uint32_t heir_of(const Component& component, const Triangle& t) const {
     if (merged_.empty()) return t[0];
     const auto reaches = [&](std::uint32_t to) {
-      return std::all_of(component.vertices.begin(), component.vertices.end(), [&](std::uint32_t v) {
-        return merged_[v].is_within(region_.reach, at(to));
-      });
+      return std::all_of(component.vertices.begin(), component.vertices.end(),
+                         [&](std::uint32_t v) { return merged_[v].is_within(region_.reach, at(to)); });
     };
     std::array<std::uint32_t, 3> corners = t;
     const auto is_less = [&](std::uint32_t a, std::uint32_t b) { return at(a) < at(b); };
@@ -256,9 +256,10 @@ class ComponentDropper {
     pin_one_each(component_of, orphans);
   }
 
-  // Of the samples at each component that have been dropped components', the farthest: with it the component's own
-  // corners say how far all of them are, by the triangle inequality.
-  void pin_one_each(const std::vector<std::uint32_t>& component_of, const std::vector<std::uint32_t>& orphans) {
+  // Of the samples at each component that have been dropped components', the farthest: with it the
+  // component's own corners say how far all of them are, by the triangle inequality.
+  void pin_one_each(const std::vector<std::uint32_t>& component_of,
+                    const std::vector<std::uint32_t>& orphans) {
     for (const auto s : orphans) region_.samples[s].is_pinned = 1;
     std::vector<std::uint32_t> pinned(components_.size(), kNone);
     for (std::uint32_t s = 0; s < region_.samples.size(); ++s) {
@@ -291,7 +292,7 @@ class ComponentDropper {
 }  // namespace
 
 double drop_components(Region& region, std::size_t target, double limit,
-                     const std::vector<mesh::Vertex>& before, std::vector<std::uint32_t>& representative) {
+                       const std::vector<mesh::Vertex>& before, std::vector<std::uint32_t>& representative) {
   if (region.mesh.triangles.size() <= target || !(limit > 0.0)) return 0.0;
   return ComponentDropper(region, before, representative).run(target, limit);
 }

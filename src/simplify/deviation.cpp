@@ -280,7 +280,8 @@ void thin_out(std::vector<SurfaceSample>& samples, std::size_t count) {
   };
   const auto kept = static_cast<std::ptrdiff_t>(count / 4);
   std::nth_element(free_begin, free_begin + kept, samples.end(), farther);
-  std::nth_element(free_begin + kept, free_begin + static_cast<std::ptrdiff_t>(count), samples.end(), by_hash);
+  std::nth_element(free_begin + kept, free_begin + static_cast<std::ptrdiff_t>(count), samples.end(),
+                   by_hash);
   samples.erase(free_begin + static_cast<std::ptrdiff_t>(count), samples.end());
   // nth_element leaves an order of its own; this one is everybody's.
   std::sort(samples.begin(), samples.end(), [](const SurfaceSample& a, const SurfaceSample& b) {

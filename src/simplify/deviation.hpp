@@ -42,9 +42,9 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
 void attach_to_nearest(const mesh::Mesh& mesh, std::span<const std::uint16_t> cells,
                        std::span<const std::uint32_t> which, std::vector<SurfaceSample>& samples);
 
-// At most `count` of the samples that are not pinned: the farthest quarter of them, since what is far now is likely
-// to be so at the next level, and others chosen by a hash of their positions. Deterministic, whatever the order of the
-// samples.
+// At most `count` of the samples that are not pinned: the farthest quarter of them, since what is far now is
+// likely to be so at the next level, and others chosen by a hash of their positions. Deterministic, whatever
+// the order of the samples.
 void thin_out(std::vector<SurfaceSample>& samples, std::size_t count);
 
 }  // namespace colossus::simplify

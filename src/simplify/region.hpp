@@ -38,8 +38,8 @@ struct Region {
   // With half-edge collapses only: the greatest distance between a vertex before and the one that it has
   // become, in the maximum norm, lattice units.
   std::int64_t reach = std::numeric_limits<std::int64_t>::max();
-  // The caller's error of the surface will not be less than this, lattice units: components that are no farther
-  // from the rest may go, if the target is not reached without.
+  // The caller's error of the surface will not be less than this, lattice units: components that are no
+  // farther from the rest may go, if the target is not reached without.
   double known_error = 0.0;
   // With half-edge collapses only: how many mean edge lengths of the region the greatest difference of a
   // colour channel counts in the error of a collapse. Alpha does not count.

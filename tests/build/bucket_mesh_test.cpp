@@ -1,4 +1,5 @@
-// What a bucket makes of copies, of triangles that lattice or rounding lets coincide, and of those that collapse.
+// What a bucket makes of copies, of triangles that lattice or rounding lets coincide, and of those that
+// collapse.
 #include "build/bucket_mesh.hpp"
 
 #include <gtest/gtest.h>
@@ -65,8 +66,9 @@ TEST(BucketMesh, KeepsTheFirstOfCopiesWhicheverWayTheOthersLook) {
 
 TEST(BucketMesh, WhatOnlyTheLatticeLetsCoincideIsNoCopy) {
   // The same places on the lattice, other coordinates in the input.
-  const std::vector<mesh::Vertex> vertices{vertex_at(0, 0, 0, 1), vertex_at(9, 0, 0, 2), vertex_at(0, 9, 0, 3),
-                                           vertex_at(0, 0, 0, 4), vertex_at(9, 0, 0, 5), vertex_at(0, 9, 0, 6)};
+  const std::vector<mesh::Vertex> vertices{vertex_at(0, 0, 0, 1), vertex_at(9, 0, 0, 2),
+                                           vertex_at(0, 9, 0, 3), vertex_at(0, 0, 0, 4),
+                                           vertex_at(9, 0, 0, 5), vertex_at(0, 9, 0, 6)};
   BucketMesh mesh({}, kRoot, {}, piece_of(vertices, {{0, 1, 2}, {3, 5, 4}, {3, 4, 5}, {4, 5, 3}}));
   EXPECT_EQ(mesh.mesh().triangles.size(), 2U);
   EXPECT_EQ(mesh.counts().opposites, 2U) << "the third and the fourth are the second, turned over";
@@ -83,7 +85,8 @@ double distance(const geometry::Vec3& p, const mesh::Mesh& mesh) {
   return std::sqrt(squared);
 }
 
-// Rounding moves by half the diagonal of the grid; what stands for lost triangles is at most one step farther.
+// Rounding moves by half the diagonal of the grid; what stands for lost triangles is at most one step
+// farther.
 TEST(BucketMesh, WhateverRoundingTakesTheSurfaceIsThere) {
   constexpr std::int32_t kSpacing = 256;
   std::size_t lost = 0, revived = 0, fins = 0;
@@ -94,7 +97,8 @@ TEST(BucketMesh, WhateverRoundingTakesTheSurfaceIsThere) {
     const auto pick = [&](std::uint64_t most) { return static_cast<std::int32_t>(random() % most); };
     for (int place = 0; place < 5; ++place) {
       const Point at{1000 + pick(400), 1000 + pick(400), 1000 + pick(400)};
-      for (int k = 0; k < 3; ++k) vertices.push_back(vertex_at(at.x + pick(12), at.y + pick(12), at.z + pick(12)));
+      for (int k = 0; k < 3; ++k)
+        vertices.push_back(vertex_at(at.x + pick(12), at.y + pick(12), at.z + pick(12)));
     }
     std::vector<Triangle> triangles;
     for (std::size_t count = 1 + random() % 14; triangles.size() < count;) {
@@ -129,9 +133,9 @@ TEST(BucketMesh, WhateverRoundingTakesTheSurfaceIsThere) {
 TEST(BucketMesh, AFinThatRoundingFoldsFlatGoesWithBothSides) {
   constexpr std::int32_t kSpacing = 64;
   // Stands up from the edge between two triangles, by less than half a step, and is thinner than that.
-  const std::vector<mesh::Vertex> vertices{vertex_at(800, 800, 800), vertex_at(960, 888, 800),
+  const std::vector<mesh::Vertex> vertices{vertex_at(800, 800, 800),  vertex_at(960, 888, 800),
                                            vertex_at(800, 1200, 800), vertex_at(960, 400, 800),
-                                           vertex_at(880, 843, 802), vertex_at(881, 843, 803)};
+                                           vertex_at(880, 843, 802),  vertex_at(881, 843, 803)};
   BucketMesh mesh({kSpacing}, kRoot, {},
                   piece_of(vertices, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {1, 0, 5}, {0, 4, 5}, {4, 1, 5}}));
   EXPECT_EQ(mesh.mesh().triangles.size(), 2U);

@@ -17,8 +17,8 @@ using geometry::Vec3;
 using mesh::Triangle;
 
 // Cuts the root tetrahedron's mesh down to a level, as a build does, and welds what is in each tetrahedron.
-void cut(const hierarchy::Tetrahedron& tetrahedron, mesh::Mesh&& mesh, int levels, std::vector<mesh::Mesh>& cells,
-         std::uint64_t& pairs) {
+void cut(const hierarchy::Tetrahedron& tetrahedron, mesh::Mesh&& mesh, int levels,
+         std::vector<mesh::Mesh>& cells, std::uint64_t& pairs) {
   if (mesh.triangles.empty()) return;
   if (levels == 0) {
     pairs += weld_cut(tetrahedron, mesh);
@@ -79,7 +79,8 @@ TEST(CutRemains, NothingIsAddedWhereTheSurfaceGoesOn) {
   const Point a{static_cast<std::int32_t>(center.x), static_cast<std::int32_t>(center.y),
                 static_cast<std::int32_t>(center.z)};
   mesh::Mesh mesh;
-  for (const Point& p : {a, Point{a.x + 1000, a.y, a.z}, Point{a.x, a.y + 1000, a.z}, a}) mesh.vertices.push_back({p});
+  for (const Point& p : {a, Point{a.x + 1000, a.y, a.z}, Point{a.x, a.y + 1000, a.z}, a})
+    mesh.vertices.push_back({p});
   mesh.triangles = {{0, 1, 2}, {0, 3, 1}};
   EXPECT_EQ(weld_cut(root, mesh), 0U);
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}}));

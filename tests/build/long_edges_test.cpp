@@ -145,14 +145,14 @@ TEST(LongEdges, OfWhatCollapsesShortPiecesAreKnown) {
   std::int64_t reached = 0;
   std::vector<std::pair<std::int64_t, std::int64_t>> pieces;
   for (const LostTriangle& lost : splitter.lost()) {
-    const auto [least, most] = std::minmax({lost.corners[0].position.x, lost.corners[1].position.x,
-                                            lost.corners[2].position.x});
+    const auto [least, most] =
+        std::minmax({lost.corners[0].position.x, lost.corners[1].position.x, lost.corners[2].position.x});
     EXPECT_LE(most - least, kLongest);
     pieces.emplace_back(least, most);
   }
   for (const mesh::Triangle& t : mesh.triangles) {
-    const auto [least, most] =
-        std::minmax({mesh.vertices[t[0]].position.x, mesh.vertices[t[1]].position.x, mesh.vertices[t[2]].position.x});
+    const auto [least, most] = std::minmax(
+        {mesh.vertices[t[0]].position.x, mesh.vertices[t[1]].position.x, mesh.vertices[t[2]].position.x});
     pieces.emplace_back(least, most);
   }
   std::sort(pieces.begin(), pieces.end());

@@ -36,7 +36,9 @@ mesh::Mesh torus(std::uint32_t around, std::uint32_t along) {
   return mesh;
 }
 
-codec::Quantized stored(const mesh::Mesh& mesh) { return codec::quantize(mesh, root(), 0, {kBits, false, false}); }
+codec::Quantized stored(const mesh::Mesh& mesh) {
+  return codec::quantize(mesh, root(), 0, {kBits, false, false});
+}
 
 TEST(PartCensus, IsZeroForAClosedSurfaceAndCountsWhatIsWrong) {
   const mesh::Mesh mesh = torus(40, 20);
@@ -80,7 +82,8 @@ TEST(PartCensus, TheSumAndTheCountAgree) {
       if (random() % 2 == 0)
         std::swap(t[0], t[1]);
       else
-        mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(random() % mesh.triangles.size()));
+        mesh.triangles.erase(mesh.triangles.begin() +
+                             static_cast<std::ptrdiff_t>(random() % mesh.triangles.size()));
     }
     const codec::Quantized part = stored(mesh);
     const PartCensus by_sum = take_census(part, true);

@@ -386,7 +386,8 @@ TEST(Quantize, OppositeAndEqualTrianglesStay) {
     return numbered_triangles(quantize(numbered_mesh(points, triangles), root, 0, options).tetrahedron);
   };
   // They are surface, wider than a unit: see lost_test.cpp for those that are not.
-  EXPECT_EQ(stored({{0, 1, 2}, {1, 2, 3}, {1, 0, 2}}), (std::vector<Triangle>{{0, 1, 2}, {0, 2, 1}, {1, 2, 3}}));
+  EXPECT_EQ(stored({{0, 1, 2}, {1, 2, 3}, {1, 0, 2}}),
+            (std::vector<Triangle>{{0, 1, 2}, {0, 2, 1}, {1, 2, 3}}));
   EXPECT_EQ(stored({{0, 1, 2}, {1, 2, 0}}), (std::vector<Triangle>{{0, 1, 2}, {0, 1, 2}}));
   EXPECT_EQ(stored({{0, 1, 2}, {2, 1, 0}}), (std::vector<Triangle>{{0, 1, 2}, {0, 2, 1}}));
 }
@@ -394,8 +395,8 @@ TEST(Quantize, OppositeAndEqualTrianglesStay) {
 TEST(Quantize, DropsWhatBecomesDegenerateAndMergesItsVertices) {
   const Tetrahedron root = first_root();
   const auto points = spread_points(root);
-  // 5 falls onto 0 in the first triangle, so the second is that of 0 too; the third has what is left of the first
-  // for an edge.
+  // 5 falls onto 0 in the first triangle, so the second is that of 0 too; the third has what is left of the
+  // first for an edge.
   const mesh::Mesh mesh = numbered_mesh(points, {{0, 5, 1}, {5, 2, 3}, {1, 0, 4}});
   const QuantizedTetrahedron part = quantize(mesh, root, 3, {8, false, true}).tetrahedron;
   EXPECT_EQ(part.place, 3);

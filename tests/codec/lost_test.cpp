@@ -50,7 +50,8 @@ std::vector<Vec3> stored_points(const QuantizedTetrahedron& part) {
   std::vector<Vec3> points;
   for (const Weights& weights : part.weights) {
     const ScaledPosition p = scaled_position(weights, root());
-    points.push_back({std::ldexp(static_cast<double>(p[0]), -kBits), std::ldexp(static_cast<double>(p[1]), -kBits),
+    points.push_back({std::ldexp(static_cast<double>(p[0]), -kBits),
+                      std::ldexp(static_cast<double>(p[1]), -kBits),
                       std::ldexp(static_cast<double>(p[2]), -kBits)});
   }
   return points;
@@ -60,7 +61,8 @@ double distance(const Vec3& p, const std::vector<Vec3>& points, const std::vecto
   double squared = INFINITY;
   for (const Triangle& t : triangles)
     squared = std::min(
-        squared, geometry::distance_to_triangle(p, points[t[0]], points[t[1]], points[t[2]], squared).squared);
+        squared,
+        geometry::distance_to_triangle(p, points[t[0]], points[t[1]], points[t[2]], squared).squared);
   return std::sqrt(squared);
 }
 
@@ -69,7 +71,8 @@ std::vector<Vec3> places_on(const std::vector<Vec3>& points, const std::vector<T
   std::vector<Vec3> places;
   for (const Triangle& t : triangles) {
     const Vec3 &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
-    places.insert(places.end(), {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (1.0 / 3.0) * (a + b + c)});
+    places.insert(places.end(),
+                  {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (1.0 / 3.0) * (a + b + c)});
   }
   return places;
 }
@@ -120,8 +123,10 @@ TEST(Lost, ACrumbOnAFaceStaysOffIt) {
   const Vec3 inward = geometry::to_vec3(middle()) - geometry::to_vec3(on_face);
   for (std::size_t v = 1; v < 3; ++v)
     for (int axis = 0; axis < 3; ++axis)
-      mesh.vertices[v].position[axis] += static_cast<std::int32_t>(
-          1e-5 * static_cast<double>(v) * (axis == 0 ? inward.x : axis == 1 ? inward.y : inward.z));
+      mesh.vertices[v].position[axis] += static_cast<std::int32_t>(1e-5 * static_cast<double>(v) *
+                                                                   (axis == 0   ? inward.x
+                                                                    : axis == 1 ? inward.y
+                                                                                : inward.z));
   const Quantized result = stored(mesh);
   for (const std::uint8_t marks : result.tetrahedron.marks) EXPECT_EQ(marks, 0);
   expect_there(mesh, result);
@@ -165,9 +170,9 @@ TEST(Lost, AThinFinGoesAndTheDisplacementKnows) {
   // Two triangles that stand up from the edge between two others by less than a unit, of quarters of one.
   const Point a = middle(), b = beside(a, 1 << 27, 0, 0);
   const Point m = beside(a, 1 << 26, 0, 3 << 20);
-  const mesh::Mesh with = mesh_of({a, b, beside(a, 0, 1 << 27, 0), beside(a, 0, -(1 << 27), 0), m,
-                                   beside(m, 0, kSmall / 10, 0)},
-                                  {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {1, 0, 5}, {0, 4, 5}, {4, 1, 5}});
+  const mesh::Mesh with =
+      mesh_of({a, b, beside(a, 0, 1 << 27, 0), beside(a, 0, -(1 << 27), 0), m, beside(m, 0, kSmall / 10, 0)},
+              {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {1, 0, 5}, {0, 4, 5}, {4, 1, 5}});
   const Quantized result = stored(with);
   EXPECT_EQ(result.tetrahedron.triangles.size(), 2U);
   expect_there(with, result);

@@ -82,7 +82,8 @@ TEST(Components, NearOnesGoAndFarOnesStay) {
   // A sphere of that depth is up to a hundredth of its radius off the round one.
   const double limit = 0.02 * kRadius + kLimit;
   for (const bool may_place : {true, false}) {
-    const Dropped result = dropped(may_place ? make_region(mesh, {}, {}) : half_edge_region(mesh), of_sphere, limit);
+    const Dropped result =
+        dropped(may_place ? make_region(mesh, {}, {}) : half_edge_region(mesh), of_sphere, limit);
     EXPECT_EQ(result.triangles(), of_sphere + 4) << "the one in the centre is too far from everything";
     expect_within(result, limit);
     expect_closed(result.after.mesh);
@@ -98,7 +99,8 @@ TEST(Components, NoMoreGoThanTheTargetAsksFor) {
   const Mesh mesh = sown_sphere(40, 0.0, 3);
   const std::size_t target = mesh.triangles.size() - 4 * 10;
   EXPECT_EQ(dropped(make_region(mesh, {}, {}), target, kRadius).triangles(), target);
-  EXPECT_EQ(dropped(make_region(mesh, {}, {}), mesh.triangles.size(), kRadius).triangles(), mesh.triangles.size());
+  EXPECT_EQ(dropped(make_region(mesh, {}, {}), mesh.triangles.size(), kRadius).triangles(),
+            mesh.triangles.size());
   EXPECT_EQ(dropped(make_region(mesh, {}, {}), 0, 0.0).triangles(), mesh.triangles.size());
 }
 
@@ -127,8 +129,8 @@ TEST(Components, WhatTouchesAFaceStays) {
   EXPECT_EQ(dropped(region, 0, 0.1 * kRadius).triangles(), of_sphere + 4 * 20);
 }
 
-// Every vertex before has one after that is within reach of it, and the triangles that have gone are images in
-// which corners coincide: what makes parents valid.
+// Every vertex before has one after that is within reach of it, and the triangles that have gone are images
+// in which corners coincide: what makes parents valid.
 TEST(Components, VerticesBecomeOneWithinReach) {
   const Mesh mesh = sown_sphere(60, 0.3 * kLimit, 5);
   for (const double reach : {2.0 * kCrumb, 0.2 * kRadius}) {
@@ -143,7 +145,8 @@ TEST(Components, VerticesBecomeOneWithinReach) {
       for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(p[axis] - q[axis]), region.reach);
     }
     for (const Triangle& t : result.before.mesh.triangles) {
-      const Triangle image{result.representative[t[0]], result.representative[t[1]], result.representative[t[2]]};
+      const Triangle image{result.representative[t[0]], result.representative[t[1]],
+                           result.representative[t[2]]};
       mapped += image[0] != image[1] && image[1] != image[2] && image[2] != image[0] ? 1 : 0;
     }
     EXPECT_EQ(mapped, result.triangles());
@@ -176,7 +179,9 @@ TEST(Components, GoOnlyWithinTheErrorOfTheSimplification) {
     const std::size_t of_sphere = mesh.triangles.size();
     std::mt19937_64 random(7);
     for (int i = 0; i < 200; ++i)
-      append(mesh, crumb(geometry::to_vec3(mesh.vertices[random() % (of_sphere / 2)].position) + Vec3{8, 8, 8}, 64));
+      append(
+          mesh,
+          crumb(geometry::to_vec3(mesh.vertices[random() % (of_sphere / 2)].position) + Vec3{8, 8, 8}, 64));
     Region region = make_region(mesh, {}, {});
     const Outcome outcome = simplify(region, 300);
     EXPECT_LE(outcome.final_triangles, 300U);

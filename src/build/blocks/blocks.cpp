@@ -41,8 +41,8 @@ Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog, std::vector
   groups = {};
   log_counts(catalog.counts);
   const std::uint64_t peak = greatest_peak_memory(workspace.ranks);
-  core::log("partition: {} edges too long for their cubes split, peak memory {} MB", catalog.counts.split_edges,
-            peak >> 20);
+  core::log("partition: {} edges too long for their cubes split, peak memory {} MB",
+            catalog.counts.split_edges, peak >> 20);
 
   BlockSettings settings;
   settings.lattice = catalog.lattice;

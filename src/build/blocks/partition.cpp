@@ -104,8 +104,8 @@ int choose_position_bits(const BuildOptions& options, const Catalog& catalog, in
   for (int bits = codec::kMinPositionBits; bits <= most; ++bits)
     if (error_at(bits) <= *options.tolerance) return bits;
   core::fail(core::Status::kUsage,
-             "--tolerance {} cannot be kept: the least that can is {}, with {} bits along a cube of level {}; smaller "
-             "cubes (--leaf-triangles, --levels) allow less, but not less than the lattice's {}",
+             "--tolerance {} cannot be kept: the least that can is {}, with {} bits along a cube of level "
+             "{}; smaller cubes (--leaf-triangles, --levels) allow less, but not less than the lattice's {}",
              *options.tolerance, error_at(most), most, levels, catalog.lattice.input_error());
 }
 
@@ -222,8 +222,8 @@ Displacements displacements_of_fins(const std::vector<LostTriangle>& lost, const
   for (const LostTriangle& fin : lost) {
     if (!fin.is_fin()) continue;
     const CubeId id =
-        hierarchy::cube_of_barycenter(fin.corners[0].position, fin.corners[1].position, fin.corners[2].position,
-                                      grid.levels, geometry::kRootBits);
+        hierarchy::cube_of_barycenter(fin.corners[0].position, fin.corners[1].position,
+                                      fin.corners[2].position, grid.levels, geometry::kRootBits);
     double& greatest = result.try_emplace(id, 0.0).first->second;
     greatest = std::max(greatest, fin.displacement);
   }

@@ -84,6 +84,7 @@ std::uint64_t weld_cut(const Tetrahedron& tetrahedron, mesh::Mesh& mesh) {
   for (const auto& [segment, ends] : segments) {
     if (lies_in_a_face(tetrahedron, segment)) continue;
     const auto third = third_corner(tetrahedron, segment);
+    // Only in tetrahedra of some cells of the lattice: there the segment is within two cells of a face.
     if (!third) continue;
     mesh::Vertex beside = ends[0];
     beside.position = *third;

@@ -34,10 +34,11 @@ int bits_for_tolerance(double tolerance, const Partition& partition, const geome
   };
   for (int bits = codec::kMinPositionBits; bits <= codec::kMaxPositionBits; ++bits)
     if (error_at(bits) <= tolerance) return bits;
-  core::fail(core::Status::kUsage,
-             "--tolerance {} cannot be kept: the least that can is {}, with {} bits per weight in the largest "
-             "leaf; smaller leaves (--leaf-triangles) allow less, but not less than the lattice's {}",
-             tolerance, error_at(codec::kMaxPositionBits), codec::kMaxPositionBits, input_error);
+  core::fail(
+      core::Status::kUsage,
+      "--tolerance {} cannot be kept: the least that can is {}, with {} bits per weight in the largest "
+      "leaf; smaller leaves (--leaf-triangles) allow less, but not less than the lattice's {}",
+      tolerance, error_at(codec::kMaxPositionBits), codec::kMaxPositionBits, input_error);
 }
 
 // How far from each other points may lie that fall together, in the leaves that hold most triangles.

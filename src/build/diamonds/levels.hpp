@@ -6,8 +6,8 @@
 
 namespace colossus::build {
 
-// Collective. Within a level nodes are independent tasks. Completes the catalogue's counts of the finest level.
-// Throws Error(kUsage) when leaves do not keep --tolerance, Error(kBadData) when they lack surface.
+// Collective. Within a level nodes are independent tasks. Completes the catalogue's counts of the finest
+// level. Throws Error(kUsage) when leaves do not keep --tolerance, Error(kBadData) when they lack surface.
 Hierarchy build_levels(const Workspace& workspace, const NodeSettings& settings, const Partition& partition,
                        Catalog& catalog);
 

@@ -46,9 +46,9 @@ double known_error(const NodeSettings& settings, const Diamond& diamond, double 
   return (least_error - settings.input_error) / settings.lattice.step - kMostUnits * unit;
 }
 
-std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond, double least_error,
-                                      std::vector<PlacedMesh>&& parts, NodeStatistics& statistics,
-                                      double& deviation) {
+std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamond& diamond,
+                                      double least_error, std::vector<PlacedMesh>&& parts,
+                                      NodeStatistics& statistics, double& deviation) {
   const std::size_t target = target_of(settings, parts);
   for (PlacedMesh& part : parts) add_missing_samples(part.content);
   simplify::Region region = make_region(diamond, parts);

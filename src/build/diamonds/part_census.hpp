@@ -13,11 +13,11 @@ struct PartCensus {
   std::uint64_t nonmanifold_edges = 0;  // more than two
 };
 
-// Where no vertices share a place, all but edges with as many triangles on either side are told from these by a sum:
-// each edge, with a sign for its direction, has a weight. The sum has 128 bits of products of random numbers, and it
-// is zero for others once in about 2^64. Only of the finest level, `is_finest`, edges with two triangles on either side
-// are told from those with one. A clipped mesh may have them although the input has none: where cuts of two sheets fall
-// together. Linear.
+// Where no vertices share a place, all but edges with as many triangles on either side are told from these by
+// a sum: each edge, with a sign for its direction, has a weight. The sum has 128 bits of products of random
+// numbers, and it is zero for others once in about 2^64. Only of the finest level, `is_finest`, edges with
+// two triangles on either side are told from those with one. A clipped mesh may have them although the input
+// has none: where cuts of two sheets fall together. Linear.
 PartCensus take_census(const codec::Quantized& stored, bool is_finest);
 
 // Sum over the triangles, square lattice units.

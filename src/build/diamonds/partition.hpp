@@ -3,8 +3,8 @@
 
 #include <unordered_set>
 
-#include "build/join.hpp"
 #include "build/diamonds/tetrahedron_mesh.hpp"
+#include "build/join.hpp"
 
 namespace colossus::build {
 
