@@ -195,6 +195,15 @@ class Surface(program.ColossusTest):
             self.assertEqual(found["measures"], expected["measures"])
             self.assertEqual(found["counts"]["vertices"], expected["counts"]["vertices"] + 2)
 
+    def test_a_negative_zero_is_a_zero(self):
+        """Which of the two is seen first depends on the ranks, so bounds have the positive one."""
+        corners = [[0, 0, 0], [-0.0, 1, 0], [1, 0, -0.0], [1, 1, 1]]
+        sides = [[0, 1, 2], [1, 3, 2], [0, 2, 3], [0, 3, 1]]
+        for turn in (corners, corners[1:] + corners[:1]):
+            for scheme in SCHEMES:
+                measures = self.built(Mesh(turn, sides), "--scheme", scheme)[1]["measures"]
+                self.assertEqual([str(measures[f"min_{axis}"]) for axis in "xyz"], ["0.0", "0.0", "0.0"])
+
     def test_coordinates_that_overflow(self):
         torus = meshes.tube(24, 12)
         for scale in (5e306, 1e300, 1e-280):
