@@ -23,6 +23,7 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
   if (options.tolerance) metadata.options.push_back({"tolerance", fmt::format("{}", *options.tolerance)});
   if (options.keep_outliers) metadata.options.push_back({"keep_outliers", "true"});
   if (options.drop_textures) metadata.options.push_back({"drop_textures", "true"});
+  if (options.is_lenient) metadata.options.push_back({"lenient", "true"});
   metadata.options.insert(metadata.options.end(), hierarchy.options.begin(), hierarchy.options.end());
   metadata.parameters = hierarchy.parameters;
   for (const InputFile& file : catalog.files) metadata.inputs.push_back({file.name, file.bytes, file.hash});

@@ -134,6 +134,7 @@ void take_counts(Catalog& catalog, const std::vector<BucketCounts>& of_buckets) 
   for (const BucketCounts& own : of_buckets) {
     counts.merged_vertices += own.merged_vertices;
     counts.attribute_seams += own.attribute_seams;
+    counts.color_seams += own.color_seams;
     counts.duplicate += own.duplicates;
     counts.opposite += own.opposites;
     counts.collinear += own.collinear;
@@ -214,12 +215,16 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
   return records;
 }
 
-void log_counts(const InputCounts& c) {
+void log_counts(const Catalog& catalog) {
+  const InputCounts& c = catalog.counts;
   core::log(
       "partition: {} degenerate, {} duplicate and {} opposite triangles dropped, {} collapsed; {} collinear "
       "ones stay; {} border, {} non-manifold and {} inconsistently oriented edges",
       c.degenerate, c.duplicate, c.opposite, c.collapsed, c.collinear, c.border_edges, c.nonmanifold_edges,
       c.inconsistent_edges);
+  if (catalog.has_face_colors && c.color_seams > 0)
+    core::warn("{}: {} vertices lie between faces of different colours, which are averaged",
+               catalog.input_name(), c.color_seams);
 }
 
 Bytes bucket_task(const BucketRecord& bucket) {

@@ -24,8 +24,8 @@ struct BucketRecord {
 std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& catalog, Buckets&& buckets,
                                           const Rounding& rounding);
 
-// What became of the input's triangles, and its edges.
-void log_counts(const InputCounts& counts);
+// What became of the input's triangles, its edges, and the colours of its faces.
+void log_counts(const Catalog& catalog);
 
 // A bucket as a task, and its mesh with all attributes.
 core::Bytes bucket_task(const BucketRecord& bucket);

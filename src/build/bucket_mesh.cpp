@@ -139,15 +139,20 @@ void BucketMesh::give_attributes() {
     read.add(v.normal);
     ColorSum color;
     color.add(v.color);
-    bool differed = false;
+    std::uint64_t merged = 0;
+    bool has_other_normal = false;
+    bool has_other_color = false;
     for (; i < others_.size() && others_[i].place == p; ++i) {
       read.add(others_[i].normal);
       color.add(others_[i].color);
-      differed |= others_[i].normal != v.normal || others_[i].color != v.color;
+      merged += others_[i].number < kFaceCornerNumbers ? 1 : 0;
+      has_other_normal |= others_[i].normal != v.normal;
+      has_other_color |= others_[i].color != v.color;
     }
     if (!is_owned) continue;
-    counts_.merged_vertices += color.count - 1;
-    counts_.attribute_seams += differed ? 1 : 0;
+    counts_.merged_vertices += merged;
+    counts_.attribute_seams += has_other_normal || has_other_color ? 1 : 0;
+    counts_.color_seams += has_other_color ? 1 : 0;
     v.color = color.mean();
     is_unknown[p] = read.is_zero();
     if (!is_unknown[p]) v.normal = read.normal();

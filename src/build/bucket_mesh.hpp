@@ -34,6 +34,7 @@ struct EdgeCensus {
 struct BucketCounts {
   std::uint64_t merged_vertices = 0;
   std::uint64_t attribute_seams = 0;
+  std::uint64_t color_seams = 0;
   std::uint64_t duplicates = 0;
   std::uint64_t opposites = 0;
   std::uint64_t triangles = 0;  // left of the input's

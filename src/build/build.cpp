@@ -37,8 +37,23 @@ void check_options(const cluster::Communicator& ranks, const BuildOptions& optio
 void log_survey(const Catalog& catalog) {
   const InputCounts& c = catalog.counts;
   core::log(
-      "survey: {} vertices, {} triangles ({} polygons as fans, {} faces with fewer than 3 corners skipped)",
+      "survey: {} vertices, {} triangles ({} polygons among the faces, {} with fewer than 3 corners "
+      "skipped)",
       c.vertices, c.triangles, c.polygons, c.small_faces);
+}
+
+void log_polygons(const Catalog& catalog) {
+  const InputCounts& c = catalog.counts;
+  if (c.concave_polygons > 0) core::log("polygons: {} of {} are concave", c.concave_polygons, c.polygons);
+  if (c.warped_polygons > 0)
+    core::warn(
+        "{}: {} of {} polygons are warped, far off their own plane: other triangles are as good as those "
+        "made of "
+        "them",
+        catalog.input_name(), c.warped_polygons, c.polygons);
+  if (c.crossing_polygons > 0)
+    core::warn("{}: {} of {} polygons cross themselves, and are triangulated as well as can be",
+               catalog.input_name(), c.crossing_polygons, c.polygons);
 }
 
 void log_lattice(const Catalog& catalog) {
@@ -84,6 +99,8 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme,
   report.is_dry_run = workspace.options.is_dry_run;
   if (report.is_dry_run) return report;
   answer_requests(workspace, catalog, groups);
+  cut_polygons(workspace, catalog, groups);
+  log_polygons(catalog);
   release_phases_up_to(workspace, survey_phase);
   measure_median_edge(workspace, catalog, groups);
   ranks.attempt([&] { refuse_far_corner(workspace.options, catalog, 2.0 * catalog.lattice.input_error()); });

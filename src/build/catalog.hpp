@@ -26,6 +26,18 @@ enum class RecordKind : std::uint32_t {
   kLost = 11,           // LostTriangle
 };
 
+// Before positions, normals and colours in a record of raw vertices.
+struct RawVerticesHeader {
+  std::uint32_t has_normals = 0;
+  std::uint32_t color_readings = 0;  // 0: no colours; 1; 2: see input::ReadColor
+};
+
+// Before triangles, input::Polygon and face colours in a record of triangles.
+struct RawTrianglesHeader {
+  std::uint32_t polygons = 0;
+  std::uint32_t color_readings = 0;
+};
+
 // Consecutive vertices of all files, numbered through.
 struct VertexBlockRef {
   std::uint32_t file = 0;
@@ -47,13 +59,18 @@ struct InputFile {
   std::uint64_t bytes = 0;
   std::string hash;
   bool has_normals = false;
-  bool has_colors = false;
+  bool has_colors = false;  // of vertices or faces
+  bool has_face_colors = false;
 };
 
 struct InputCounts {
   std::uint64_t vertices = 0;
-  std::uint64_t triangles = 0;    // as read, polygons as fans
+  std::uint64_t triangles = 0;    // as read, polygons cut into triangles
   std::uint64_t polygons = 0;     // faces with more than three corners
+  // Of these, see input::OddPolygons:
+  std::uint64_t concave_polygons = 0;
+  std::uint64_t warped_polygons = 0;
+  std::uint64_t crossing_polygons = 0;
   std::uint64_t small_faces = 0;  // faces with fewer than three corners, skipped
   std::uint64_t degenerate = 0;   // two equal corners; dropped
   std::uint64_t collapsed = 0;    // that have two equal corners on the lattice, or the grid of blocks, only
@@ -72,6 +89,7 @@ struct InputCounts {
   // positions whose vertices had different attributes, which were averaged.
   std::uint64_t merged_vertices = 0;
   std::uint64_t attribute_seams = 0;
+  std::uint64_t color_seams = 0;  // of these, with different colours
 };
 
 // The corner farthest from the middle of the input, where it and a few others alone make the lattice coarse.
@@ -86,6 +104,7 @@ struct FarCorner {
 
 struct Catalog {
   std::vector<InputFile> files;
+  std::vector<input::ColorScale> color_scales;    // by file
   std::vector<VertexBlockRef> vertex_blocks;      // ascending
   std::vector<TriangleBlockRef> triangle_blocks;  // in the order of the files' faces
   geometry::Bounds bounds;                        // of the vertices that triangles use
@@ -98,7 +117,8 @@ struct Catalog {
   // their order is that of space, and up to three times as many. On rank 0.
   std::uint64_t block_vertices = 0;
   bool has_normals = false;  // at least one file has them; the others' are computed
-  bool has_colors = false;
+  bool has_colors = false;   // at least one file has them; the others become white
+  bool has_face_colors = false;
 
   // For messages.
   std::string input_name() const { return files.size() == 1 ? files[0].name : "all inputs"; }

@@ -41,11 +41,34 @@ struct RangeExtent {
   std::vector<Position> samples;
 };
 
+// File and vertex of a number over all files.
+struct VertexName {
+  std::uint32_t file = 0;
+  std::uint64_t vertex = 0;
+};
+VertexName name_of(const Catalog& catalog, std::uint64_t number) {
+  const auto& blocks = catalog.vertex_blocks;
+  const auto after = std::partition_point(blocks.begin(), blocks.end(),
+                                          [&](const VertexBlockRef& block) { return block.first <= number; });
+  const std::uint32_t file = (after - 1)->file;
+  const auto first = std::find_if(blocks.begin(), blocks.end(),
+                                  [&](const VertexBlockRef& block) { return block.file == file; });
+  return {file, number - first->first};
+}
+
+// A sum may overflow although the coordinates do not.
+void check_finite(const Catalog& catalog, std::uint64_t number, const Position& p) {
+  if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) return;
+  const VertexName name = name_of(catalog, number);
+  input::fail_position(catalog.files[name.file].name, name.vertex, p);
+}
+
 RangeExtent look_at_range(const Workspace& workspace, const Catalog& catalog,
                           std::span<const std::byte> task) {
   RangeExtent range;
   std::uint64_t stride = 1;
-  visit_requested(workspace, catalog, task, [&](std::uint64_t, const Position& read) {
+  visit_requested(workspace, catalog, task, [&](std::uint64_t number, const Position& read) {
+    if (!std::isfinite(read[0] + read[1] + read[2])) check_finite(catalog, number, read);
     // + 0.0: of a negative zero and a positive one bounds would keep whichever came first, and ranges come in
     // any order.
     const Position p{read[0] + 0.0, read[1] + 0.0, read[2] + 0.0};
@@ -241,7 +264,9 @@ class ExtentMeasurer {
     if (kFarFactor * corner.core.extent() > catalog_.bounds.extent()) return;
     corner.is_far = true;
     corner.position = shells.farthest.position;
-    name(shells.farthest.number);
+    const VertexName name = name_of(catalog_, shells.farthest.number);
+    corner.file = name.file;
+    corner.vertex = name.vertex;
     const double without =
         corner.core.extent() > 0.0 ? geometry::Lattice::fit(corner.core).input_error() : 0.0;
     core::warn(
@@ -252,18 +277,6 @@ class ExtentMeasurer {
         corner.position[2], count, used_, corner.core.low[0], corner.core.low[1], corner.core.low[2],
         corner.core.high[0], corner.core.high[1], corner.core.high[2],
         geometry::Lattice::fit(catalog_.bounds).input_error(), without);
-  }
-
-  // File and vertex of a number over all files.
-  void name(std::uint64_t number) {
-    const auto& blocks = catalog_.vertex_blocks;
-    const auto after = std::partition_point(
-        blocks.begin(), blocks.end(), [&](const VertexBlockRef& block) { return block.first <= number; });
-    FarCorner& corner = catalog_.far_corner;
-    corner.file = (after - 1)->file;
-    const auto first = std::find_if(blocks.begin(), blocks.end(),
-                                    [&](const VertexBlockRef& block) { return block.file == corner.file; });
-    corner.vertex = number - first->first;
   }
 
   const Workspace& workspace_;

@@ -51,6 +51,7 @@ scratch::Manifest manifest_of(const BuildOptions& options, const std::vector<Inp
   manifest.add("codec", options.codec);
   if (options.tolerance) manifest.add("tolerance", fmt::format("{}", *options.tolerance));
   manifest.add("drop_textures", options.drop_textures ? "true" : "false");
+  manifest.add("lenient", options.is_lenient ? "true" : "false");
   manifest.add("keep_outliers", options.keep_outliers ? "true" : "false");
   if (options.levels) manifest.add("levels", fmt::format("{}", *options.levels));
   if (options.block_size) manifest.add("block_size", fmt::format("{}", *options.block_size));

@@ -6,6 +6,7 @@
 #include "build/fingerprint.hpp"
 #include "build/phase.hpp"
 #include "build/radix_sort.hpp"
+#include "input/polygons.hpp"
 
 namespace colossus::build {
 namespace {
@@ -49,28 +50,85 @@ struct GroupTask {
   std::uint64_t end = 0;
 };
 
+// The triangles of a group as they lie in scratch, and what belongs to them.
+struct GroupTriangles {
+  std::vector<mesh::Triangle> triangles;
+  std::vector<input::Polygon> polygons;
+  // Where a file of the group has face colours, by triangle; else empty.
+  std::vector<mesh::Color> colors;
+  std::vector<std::uint8_t> is_colored;
+  std::uint64_t first = 0;  // triangle, over all files
+
+  scratch::RecordRef store(const Workspace& workspace) const {
+    const std::array<std::uint64_t, 3> header{polygons.size(), colors.size(), first};
+    return workspace.writer.append(
+        static_cast<std::uint32_t>(RecordKind::kGroupTriangles),
+        {std::as_bytes(std::span(header)), core::as_bytes(triangles), core::as_bytes(polygons),
+         core::as_bytes(colors), core::as_bytes(is_colored)});
+  }
+  static GroupTriangles load(const Workspace& workspace, const TriangleGroup& group) {
+    const Bytes bytes = workspace.reader.read(group.triangles);
+    ByteReader reader(bytes);
+    GroupTriangles result;
+    const auto header = reader.get<std::array<std::uint64_t, 3>>();
+    result.triangles = reader.get_array<mesh::Triangle>(group.triangle_count);
+    result.polygons = reader.get_array<input::Polygon>(header[0]);
+    result.colors = reader.get_array<mesh::Color>(header[1]);
+    result.is_colored = reader.get_array<std::uint8_t>(header[1]);
+    result.first = header[2];
+    COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
+    return result;
+  }
+};
+
 TriangleGroup read_group(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   TriangleGroup group;
   group.triangle_count = reader.get<std::uint64_t>();
+  group.polygon_count = reader.get<std::uint64_t>();
   group.triangles = reader.get<scratch::RecordRef>();
   group.slices = reader.get_array<VertexSlice>(reader.remaining() / sizeof(VertexSlice));
   COLOSSUS_CHECK(!reader.failed());
   return group;
 }
 
+// What a block has beside its triangles.
+void read_polygons_and_colors(ByteReader& reader, const RawTrianglesHeader& header, std::uint32_t count,
+                              const input::ColorScale& scale, std::size_t first, GroupTriangles& group) {
+  for (const input::Polygon& polygon : reader.get_array<input::Polygon>(header.polygons))
+    group.polygons.push_back({static_cast<std::uint32_t>(first) + polygon.first, polygon.corners});
+  if (header.color_readings == 0) return;
+  const auto unit = reader.get_array<mesh::Color>(count);
+  const auto byte = header.color_readings == 2 ? reader.get_array<mesh::Color>(count) : unit;
+  group.colors.resize(first, input::kNoColor);
+  group.is_colored.resize(first, 0);
+  for (std::size_t i = 0; i < count; ++i) group.colors.push_back(scale.pick(unit[i], byte[i]));
+  group.is_colored.resize(first + count, 1);
+}
+
 // The corners of all triangles, sorted by the vertices that they name.
 std::vector<std::uint64_t> sorted_corners(const Workspace& workspace, const Catalog& catalog,
-                                          const GroupTask& task, std::uint64_t& first_number) {
+                                          const GroupTask& task, std::uint64_t& first_number,
+                                          GroupTriangles& group) {
   std::size_t count = 0;
+  for (std::uint64_t i = 0; i < task.begin; ++i) group.first += catalog.triangle_blocks[i].count;
   for (std::uint64_t i = task.begin; i < task.end; ++i) count += catalog.triangle_blocks[i].count;
   std::vector<std::uint64_t> keys;
   keys.reserve(3 * count);
   for (std::uint64_t i = task.begin; i < task.end; ++i) {
     const TriangleBlockRef& block = catalog.triangle_blocks[i];
     const Bytes bytes = workspace.reader.read(block.record);
-    for (const mesh::Triangle& t : ByteReader(bytes).get_array<mesh::Triangle>(block.count))
+    ByteReader reader(bytes);
+    const auto header = reader.get<RawTrianglesHeader>();
+    const std::size_t first = keys.size() / 3;
+    for (const mesh::Triangle& t : reader.get_array<mesh::Triangle>(block.count))
       for (const auto v : t) keys.push_back(block.first_vertex + v);
+    read_polygons_and_colors(reader, header, block.count, catalog.color_scales[block.file], first, group);
+    COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
+  }
+  if (!group.colors.empty()) {
+    group.colors.resize(count, input::kNoColor);
+    group.is_colored.resize(count, 0);
   }
   const auto [least, most] = std::minmax_element(keys.begin(), keys.end());
   first_number = *least;
@@ -85,8 +143,10 @@ std::vector<std::uint64_t> sorted_corners(const Workspace& workspace, const Cata
 TriangleGroup make_group(const Workspace& workspace, const Catalog& catalog, const GroupTask& task) {
   const std::uint64_t size = range_size(catalog);
   std::uint64_t first_number = 0;
-  const std::vector<std::uint64_t> corners = sorted_corners(workspace, catalog, task, first_number);
-  std::vector<mesh::Triangle> triangles(corners.size() / 3);
+  GroupTriangles content;
+  const std::vector<std::uint64_t> corners = sorted_corners(workspace, catalog, task, first_number, content);
+  std::vector<mesh::Triangle>& triangles = content.triangles;
+  triangles.resize(corners.size() / 3);
   TriangleGroup group;
   std::vector<std::uint32_t> offsets;  // of the range at hand
   const auto finish_range = [&] {
@@ -113,9 +173,9 @@ TriangleGroup make_group(const Workspace& workspace, const Catalog& catalog, con
   }
   finish_range();
   group.triangle_count = triangles.size();
+  group.polygon_count = content.polygons.size();
   workspace.reporter.add_triangles(group.triangle_count);
-  group.triangles = workspace.writer.append(static_cast<std::uint32_t>(RecordKind::kGroupTriangles),
-                                            core::as_bytes(triangles));
+  group.triangles = content.store(workspace);
   return group;
 }
 
@@ -132,10 +192,13 @@ void visit_range(const Workspace& workspace, const Catalog& catalog, std::uint64
   for (; block != blocks.end() && block->first < end; ++block) {
     const Bytes raw = workspace.reader.read(block->record);
     ByteReader reader(raw);
-    const auto present = reader.get<std::array<std::uint64_t, 2>>();
+    const auto header = reader.get<RawVerticesHeader>();
     const auto positions = reader.get_array<std::array<double, 3>>(block->count);
-    const auto normals = reader.get_array<std::array<float, 3>>(present[0] != 0 ? block->count : 0);
-    const auto colors = reader.get_array<mesh::Color>(present[1] != 0 ? block->count : 0);
+    const auto normals = reader.get_array<std::array<float, 3>>(header.has_normals != 0 ? block->count : 0);
+    auto colors = reader.get_array<mesh::Color>(header.color_readings != 0 ? block->count : 0);
+    const auto byte_colors = reader.get_array<mesh::Color>(header.color_readings == 2 ? block->count : 0);
+    for (std::size_t i = 0; i < byte_colors.size(); ++i)
+      colors[i] = catalog.color_scales[block->file].pick(colors[i], byte_colors[i]);
     COLOSSUS_CHECK(!reader.failed(), "a checked scratch record has the wrong size");
     const std::size_t from = begin > block->first ? begin - block->first : 0;
     const std::size_t to = std::min<std::uint64_t>(block->count, end - block->first);
@@ -285,15 +348,18 @@ void answer_requests(const Workspace& workspace, const Catalog& catalog, std::ve
 Bytes group_task(const TriangleGroup& group) {
   ByteWriter writer;
   writer.put(group.triangle_count);
+  writer.put(group.polygon_count);
   writer.put(group.triangles);
   writer.put_array<VertexSlice>(group.slices);
   return writer.take();
 }
 
-Piece load_group(const Workspace& workspace, const Catalog& catalog, std::span<const std::byte> task) {
-  const TriangleGroup group = read_group(task);
+namespace {
+
+// The vertices of a group.
+void load_slices(const Workspace& workspace, const Catalog& catalog, const TriangleGroup& group,
+                 Piece& piece) {
   const std::uint64_t size = range_size(catalog);
-  Piece piece;
   std::size_t count = 0;
   for (const VertexSlice& slice : group.slices) count += slice.count;
   piece.numbers.reserve(count);
@@ -305,8 +371,79 @@ Piece load_group(const Workspace& workspace, const Catalog& catalog, std::span<c
       piece.numbers.push_back(slice.range * size + offset);
     PackedVertices::read(catalog, answer, slice.count, piece.vertices);
   }
-  const Bytes bytes = workspace.reader.read(group.triangles);
-  piece.triangles = ByteReader(bytes).get_array<mesh::Triangle>(group.triangle_count);
+}
+
+// Only so are colours of faces averaged over all triangles around a position, whichever bucket has them.
+void give_corners_vertices(const GroupTriangles& group, Piece& piece) {
+  for (std::size_t i = 0; i < piece.triangles.size(); ++i) {
+    if (group.is_colored[i] == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto& v = piece.triangles[i][k];
+      mesh::Vertex vertex = piece.vertices[v];
+      vertex.color = group.colors[i];
+      v = static_cast<std::uint32_t>(piece.vertices.size());
+      piece.vertices.push_back(vertex);
+      piece.numbers.push_back(kFaceCornerNumbers + 3 * (group.first + i) + k);
+    }
+  }
+}
+
+// Of a group with polygons; what its task returns.
+struct CutGroup {
+  scratch::RecordRef triangles;
+  input::OddPolygons odd;
+};
+
+CutGroup cut_group(const Workspace& workspace, const Catalog& catalog, const TriangleGroup& group) {
+  Piece piece;
+  load_slices(workspace, catalog, group, piece);
+  GroupTriangles content = GroupTriangles::load(workspace, group);
+  input::PolygonCutter cutter;
+  for (const input::Polygon& polygon : content.polygons)
+    cutter.cut(std::span(content.triangles).subspan(polygon.first, polygon.corners - 2),
+               [&](std::uint32_t v) { return piece.vertices[v].position; });
+  workspace.reporter.add_triangles(group.triangle_count);
+  return {content.store(workspace), cutter.odd()};
+}
+
+}  // namespace
+
+void cut_polygons(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>& groups) {
+  std::vector<std::size_t> with_polygons;
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    if (groups[g].polygon_count > 0) with_polygons.push_back(g);
+  std::uint64_t count = with_polygons.size();
+  broadcast_value(workspace.ranks, count);
+  if (count == 0) return;
+  input::OddPolygons odd;
+  // Results overwrite what later tasks are made of, so they are kept until all are there.
+  std::vector<scratch::RecordRef> records(count);
+  run_phase(
+      workspace, "polygons", count, [&](std::size_t i) { return group_task(groups[with_polygons[i]]); },
+      [&](std::span<const std::byte> task) {
+        ByteWriter writer;
+        writer.put(cut_group(workspace, catalog, read_group(task)));
+        return writer.take();
+      },
+      [&](std::size_t i, const Bytes& bytes) {
+        const auto result = ByteReader(bytes).get<CutGroup>();
+        records[i] = result.triangles;
+        odd.merge(result.odd);
+      });
+  for (std::size_t i = 0; i < with_polygons.size(); ++i) groups[with_polygons[i]].triangles = records[i];
+  broadcast_value(workspace.ranks, odd);
+  catalog.counts.concave_polygons = odd.concave;
+  catalog.counts.warped_polygons = odd.warped;
+  catalog.counts.crossing_polygons = odd.crossing;
+}
+
+Piece load_group(const Workspace& workspace, const Catalog& catalog, std::span<const std::byte> task) {
+  const TriangleGroup group = read_group(task);
+  Piece piece;
+  load_slices(workspace, catalog, group, piece);
+  GroupTriangles content = GroupTriangles::load(workspace, group);
+  piece.triangles = std::move(content.triangles);
+  if (!content.colors.empty()) give_corners_vertices(content, piece);
   workspace.reporter.add_triangles(group.triangle_count);
   return piece;
 }

@@ -25,7 +25,8 @@ struct VertexSlice {
 // Consecutive blocks of triangles, and all their vertices.
 struct TriangleGroup {
   std::uint64_t triangle_count = 0;
-  scratch::RecordRef triangles;  // indices into the vertices of the slices, one after the other
+  std::uint64_t polygon_count = 0;
+  scratch::RecordRef triangles;  // indices into the vertices of the slices, one after the other; see join.cpp
   std::vector<VertexSlice> slices;
 };
 
@@ -36,6 +37,10 @@ std::vector<TriangleGroup> request_vertices(const Workspace& workspace, const Ca
 
 // Second step, once the lattice is set: requests become answers. Collective.
 void answer_requests(const Workspace& workspace, const Catalog& catalog, std::vector<TriangleGroup>& groups);
+
+// Then, where the input has polygons: their fans are replaced by what their corners on the lattice want, see
+// input::PolygonCutter. Completes the catalogue's counts of polygons. Collective.
+void cut_polygons(const Workspace& workspace, Catalog& catalog, std::vector<TriangleGroup>& groups);
 
 // The ranges that groups ask for, each as a task of a phase between the steps: on rank 0.
 class RequestedRanges {
@@ -63,7 +68,9 @@ void visit_requested(const Workspace& workspace, const Catalog& catalog, std::sp
 
 // Of a group as a task.
 core::Bytes group_task(const TriangleGroup& group);
-// All its triangles; vertices ascend by number. Not collective.
+// All its triangles; vertices ascend by number. Where faces have colours, each corner of a triangle becomes a
+// vertex of its own with the face's colour, behind the others, with a number from kFaceCornerNumbers on. Not
+// collective.
 Piece load_group(const Workspace& workspace, const Catalog& catalog, std::span<const std::byte> task);
 
 }  // namespace colossus::build

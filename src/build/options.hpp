@@ -24,6 +24,7 @@ struct BuildOptions {
   int position_bits = codec::kDefaultPositionBits;
   std::optional<double> tolerance;  // world units; chooses position_bits
   bool drop_textures = false;
+  bool is_lenient = false;     // see input::SourceOptions
   bool keep_outliers = false;  // go on although a far corner makes the lattice coarser than the triangles
   std::optional<std::string> memory;  // per rank, see parse_size(); else a share of the host's
   std::filesystem::path status_file;  // empty: none; see schemas/

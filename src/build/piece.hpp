@@ -32,7 +32,11 @@ class PackedVertices {
   std::vector<mesh::Color> colors_;
 };
 
-// Any two vertices have different numbers, and each has a triangle; positions may be equal.
+// Numbers of vertices that stand for corners of triangles whose face has a colour.
+inline constexpr std::uint64_t kFaceCornerNumbers = std::uint64_t{1} << 62;
+
+// Any two vertices have different numbers; positions may be equal. Those without a triangle may be there in a
+// group whose faces have colours only.
 struct Piece {
   std::vector<std::uint64_t> numbers;  // of the vertices, over all files
   std::vector<mesh::Vertex> vertices;

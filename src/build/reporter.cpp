@@ -60,6 +60,7 @@ ordered_json options_json(const BuildOptions& options) {
                     {"position_bits", options.position_bits},
                     {"codec", options.codec},
                     {"drop_textures", options.drop_textures},
+                    {"lenient", options.is_lenient},
                     {"keep_outliers", options.keep_outliers},
                     {"color_weight", options.color_weight}};
   if (options.tolerance) json["tolerance"] = *options.tolerance;
@@ -72,6 +73,9 @@ ordered_json counts_json(const InputCounts& c) {
   return {{"vertices", c.vertices},
           {"triangles", c.triangles},
           {"polygons", c.polygons},
+          {"concave_polygons", c.concave_polygons},
+          {"warped_polygons", c.warped_polygons},
+          {"crossing_polygons", c.crossing_polygons},
           {"small_faces", c.small_faces},
           {"degenerate", c.degenerate},
           {"collapsed", c.collapsed},

@@ -68,11 +68,16 @@ class DistinctCounter {
 };
 
 struct PartCounts {
-  std::uint64_t polygons = 0;
-  std::uint64_t small_faces = 0;
   std::uint64_t block_vertices = 0;
-  std::uint32_t is_uniform = 1;  // 0: faces are not all triangles, the file must be read sequentially
+  std::uint64_t is_uniform = 1;  // 0: faces are not all triangles, the file must be read sequentially
+  input::Remarks remarks;
 };
+
+// 0: no colours; 2: also their other reading.
+std::uint32_t readings(const std::vector<input::Color>& colors,
+                       const std::vector<input::Color>& byte_colors) {
+  return colors.empty() ? 0 : byte_colors.empty() ? 1 : 2;
+}
 
 // Writes blocks to scratch as they come, unless a stop is requested: a part may be a whole file.
 class ScratchSink : public input::BlockSink {
@@ -85,11 +90,12 @@ class ScratchSink : public input::BlockSink {
     ref.file = file_;
     ref.count = static_cast<std::uint32_t>(block.positions.size());
     ref.first = first;
-    const std::array<std::uint64_t, 2> present{block.normals.empty() ? 0U : 1U,
-                                               block.colors.empty() ? 0U : 1U};
-    ref.record = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kRawVertices),
-                                          {std::as_bytes(std::span(present)), core::as_bytes(block.positions),
-                                           core::as_bytes(block.normals), core::as_bytes(block.colors)});
+    const RawVerticesHeader header{block.normals.empty() ? 0U : 1U,
+                                   readings(block.colors, block.byte_colors)};
+    ref.record = workspace_.writer.append(
+        static_cast<std::uint32_t>(RecordKind::kRawVertices),
+        {std::as_bytes(std::span(&header, 1)), core::as_bytes(block.positions), core::as_bytes(block.normals),
+         core::as_bytes(block.colors), core::as_bytes(block.byte_colors)});
     vertex_blocks.push_back(ref);
   }
 
@@ -99,19 +105,24 @@ class ScratchSink : public input::BlockSink {
     TriangleBlockRef ref;
     ref.file = file_;
     ref.count = static_cast<std::uint32_t>(block.triangles.size());
-    ref.record = workspace_.writer.append(static_cast<std::uint32_t>(RecordKind::kTriangles),
-                                          core::as_bytes(block.triangles));
+    const RawTrianglesHeader header{static_cast<std::uint32_t>(block.polygons.size()),
+                                    readings(block.colors, block.byte_colors)};
+    ref.record = workspace_.writer.append(
+        static_cast<std::uint32_t>(RecordKind::kTriangles),
+        {std::as_bytes(std::span(&header, 1)), core::as_bytes(block.triangles),
+         core::as_bytes(block.polygons), core::as_bytes(block.colors), core::as_bytes(block.byte_colors)});
     triangle_blocks.push_back(ref);
     workspace_.reporter.add_triangles(ref.count);
+    if (!block.colors.empty()) {
+      counts.block_vertices += 3 * block.triangles.size();  // load_group() gives each corner a vertex
+      return;
+    }
     for (const mesh::Triangle& t : block.triangles)
       for (const auto v : t) distinct_.add(v);
     counts.block_vertices += distinct_.take();
   }
 
-  void odd_faces(const input::OddFaces& odd) override {
-    counts.polygons += odd.polygons;
-    counts.small_faces += odd.small;
-  }
+  void remarks(const input::Remarks& remarks) override { counts.remarks.merge(remarks); }
 
   PartCounts counts;
   std::vector<VertexBlockRef> vertex_blocks;
@@ -155,6 +166,9 @@ class Survey {
     run_tasks("survey", tasks);
     reread_irregular_files();
     number_through();
+    workspace_.ranks.attempt([&] {
+      if (workspace_.ranks.is_root()) settle_files();
+    });
     share();
     return std::move(catalog_);
   }
@@ -163,20 +177,26 @@ class Survey {
   void open_sources() {
     workspace_.ranks.attempt([&] {
       for (const auto& path : input::expand_inputs(workspace_.options.inputs)) {
-        sources_.push_back(input::open_source(path, {workspace_.options.drop_textures}));
+        sources_.push_back(
+            input::open_source(path, {workspace_.options.drop_textures, workspace_.options.is_lenient}));
+        sources_.back()->close();
         const input::SourceInfo& info = sources_.back()->info();
-        catalog_.files.push_back(
-            {path.filename().string(), info.bytes, "", info.has_normals, info.has_colors});
+        catalog_.files.push_back({path.filename().string(), info.bytes, "", info.has_normals, info.has_colors,
+                                  info.has_face_colors});
         catalog_.has_normals |= info.has_normals;
-        catalog_.has_colors |= info.has_colors;
         core::log("input {}: {}, {} vertices, {} faces{}{}", path.string(), info.format, info.vertex_count,
-                  info.face_count, info.has_normals ? ", normals" : "", info.has_colors ? ", colours" : "");
+                  info.face_count, info.has_normals ? ", normals" : "",
+                  !info.has_colors       ? ""
+                  : info.has_face_colors ? ", colours of faces"
+                                         : ", colours");
         for (const std::string& name : info.skipped)
           core::log("input {}: {} is skipped", path.string(), name);
         for (const std::string& name : info.textures)
           core::log("input {}: {} is dropped", path.string(), name);
       }
     });
+    remarks_.resize(sources_.size());
+    face_remarks_.resize(sources_.size());
   }
 
   void run_tasks(const std::string& phase, const std::vector<SurveyTask>& tasks) {
@@ -197,11 +217,13 @@ class Survey {
         catalog_.files[tasks[i].file].hash.assign(reinterpret_cast<const char*>(results[i].data()),
                                                   results[i].size());
       else
-        take_part(tasks[i].file, results[i]);
+        take_part(tasks[i], results[i]);
     }
   }
 
   Bytes read_part(const SurveyTask& task) {
+    if (open_ != task.file) sources_[open_]->close();
+    open_ = task.file;
     ScratchSink sink(workspace_, task.file);
     if (!sources_[task.file]->read(task.part, sink)) sink.counts.is_uniform = 0;
     ByteWriter writer;
@@ -213,13 +235,12 @@ class Survey {
     return writer.take();
   }
 
-  void take_part(std::uint32_t file, const Bytes& result) {
+  void take_part(const SurveyTask& task, const Bytes& result) {
     ByteReader reader(result);
     const auto part = reader.get<PartCounts>();
-    catalog_.counts.polygons += part.polygons;
-    catalog_.counts.small_faces += part.small_faces;
+    (task.part.kind == input::PartKind::kFaces ? face_remarks_ : remarks_)[task.file].merge(part.remarks);
     catalog_.block_vertices += part.block_vertices;
-    if (part.is_uniform == 0) is_irregular_[file] = true;
+    if (part.is_uniform == 0) is_irregular_[task.file] = true;
     const auto vertex_blocks = reader.get_array<VertexBlockRef>(reader.get<std::size_t>());
     catalog_.vertex_blocks.insert(catalog_.vertex_blocks.end(), vertex_blocks.begin(), vertex_blocks.end());
     const auto triangle_blocks = reader.get_array<TriangleBlockRef>(reader.get<std::size_t>());
@@ -238,6 +259,7 @@ class Survey {
     std::vector<SurveyTask> tasks;
     for (const auto f : files) {
       std::erase_if(catalog_.triangle_blocks, [&](const TriangleBlockRef& block) { return block.file == f; });
+      face_remarks_[f] = {};
       for (const input::Part& part : sources_[f]->sequential_face_parts()) tasks.push_back({f, 0, part});
     }
     run_tasks("survey of irregular files", tasks);
@@ -266,7 +288,45 @@ class Survey {
     }
   }
 
+  // What only all parts of a file tell. On rank 0.
+  void settle_files() {
+    for (std::size_t f = 0; f < sources_.size(); ++f) {
+      const input::SourceInfo& info = sources_[f]->info();
+      input::Remarks& remarks = remarks_[f];
+      remarks.merge(face_remarks_[f]);
+      for (const std::string& name : input::skipped_by(remarks))
+        core::log("input {}: {} is skipped", info.path.string(), name);
+      for (const std::string& warning : input::warnings_of(info, remarks)) core::warn_line(warning);
+      const input::ColorScale scale = input::scale_of(info, remarks);
+      catalog_.color_scales.push_back(scale);
+      if (remarks.greatest_color >= 0.0)
+        core::log("input {}: colours from 0 to {}{}", info.path.string(), scale.is_color_unit ? "1" : "255",
+                  remarks.greatest_alpha < 0.0 || scale.is_alpha_unit == scale.is_color_unit ? ""
+                  : scale.is_alpha_unit ? ", alpha from 0 to 1"
+                                        : ", alpha from 0 to 255");
+      catalog_.files[f].has_colors = remarks.has_colors != 0;
+      catalog_.has_colors |= catalog_.files[f].has_colors;
+      catalog_.has_face_colors |= catalog_.files[f].has_colors && info.has_face_colors;
+      catalog_.counts.polygons += remarks.polygons;
+      catalog_.counts.small_faces += remarks.small;
+    }
+    for (std::size_t f = 0; f < sources_.size(); ++f) {
+      if (catalog_.has_colors && !catalog_.files[f].has_colors)
+        core::warn("{}: has no colours, where other inputs have: it becomes white",
+                   sources_[f]->info().path.string());
+      if (catalog_.has_normals && !catalog_.files[f].has_normals)
+        core::log("input {}: has no normals, where other inputs have: they are computed",
+                  sources_[f]->info().path.string());
+    }
+  }
+
   void share() {
+    std::array<std::uint8_t, 2> colors{catalog_.has_colors ? std::uint8_t{1} : std::uint8_t{0},
+                                       catalog_.has_face_colors ? std::uint8_t{1} : std::uint8_t{0}};
+    broadcast_value(workspace_.ranks, colors);
+    catalog_.has_colors = colors[0] != 0;
+    catalog_.has_face_colors = colors[1] != 0;
+    broadcast_values(workspace_.ranks, catalog_.color_scales);
     broadcast_values(workspace_.ranks, catalog_.vertex_blocks);
     broadcast_values(workspace_.ranks, catalog_.triangle_blocks);
     broadcast_value(workspace_.ranks, catalog_.counts);
@@ -280,6 +340,10 @@ class Survey {
 
   const Workspace& workspace_;
   std::vector<std::unique_ptr<input::Source>> sources_;
+  std::uint32_t open_ = 0;  // all others are closed
+  // By file, on rank 0; apart, those of parts that may have to be read again.
+  std::vector<input::Remarks> remarks_;
+  std::vector<input::Remarks> face_remarks_;
   std::vector<bool> is_irregular_;
   Catalog catalog_;
 };

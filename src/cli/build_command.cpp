@@ -60,6 +60,7 @@ void add_build(CLI::App& app, Action& chosen) {
       ->capture_default_str();
   command->add_flag("--drop-textures", options->drop_textures,
                     "Accept texture coordinates and materials, and drop them");
+  command->add_flag("--lenient", options->is_lenient, kLenientHelp);
   command->add_flag("--keep-outliers", options->keep_outliers,
                     "Go on although a few far corners make the lattice coarser than the triangles");
   command->add_option(

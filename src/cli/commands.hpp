@@ -10,6 +10,12 @@ namespace colossus::cli {
 // status.
 using Action = std::function<int(int& argc, char**& argv)>;
 
+// Of build, verify --against and synth --base.
+inline constexpr const char* kLenientHelp =
+    "Let pass, and say so: floats for indices and counts, surplus numbers in a row, prose in headers, and "
+    "other bytes "
+    "behind the data";
+
 void add_build(CLI::App& app, Action& chosen);
 void add_synth(CLI::App& app, Action& chosen);
 void add_info(CLI::App& app, Action& chosen);

@@ -32,6 +32,7 @@ struct VerifyArguments {
   std::vector<std::string> against;
   std::size_t samples = reader::VerifyOptions{}.samples_per_node;
   bool drop_textures = false;
+  bool is_lenient = false;
 };
 
 template <typename Statue>
@@ -41,7 +42,7 @@ int verify_statue(const Statue& statue, const VerifyArguments& arguments) {
   input::LoadedMesh input;
   reader::Surface surface;
   if (!arguments.against.empty()) {
-    input = input::load_mesh(arguments.against, {arguments.drop_textures});
+    input = input::load_mesh(arguments.against, {arguments.drop_textures, arguments.is_lenient});
     surface = {input.positions, input.triangles};
     options.against = &surface;
   }
@@ -119,6 +120,7 @@ void add_verify(CLI::App& app, Action& chosen) {
   command->add_option("--samples", arguments->samples, "Samples per node with --against")
       ->capture_default_str();
   command->add_flag("--drop-textures", arguments->drop_textures, "As for build");
+  command->add_flag("--lenient", arguments->is_lenient, kLenientHelp);
   command->callback([&chosen, arguments] {
     chosen = [arguments](int&, char**&) {
       return with_statue(arguments->container,

@@ -9,6 +9,7 @@ namespace {
 struct SynthArguments {
   input::SynthOptions options;
   std::string base;
+  bool is_lenient = false;
   bool no_colors = false;
 };
 
@@ -19,7 +20,8 @@ int run(SynthArguments arguments) {
   if (arguments.base.empty()) {
     report = input::synthesize(arguments.options);
   } else {
-    input::LoadedMesh loaded = input::load_mesh(std::span(&arguments.base, 1));
+    input::LoadedMesh loaded =
+        input::load_mesh(std::span(&arguments.base, 1), {.is_lenient = arguments.is_lenient});
     input::BaseMesh base;
     base.name = arguments.base;
     base.positions = std::move(loaded.positions);
@@ -47,6 +49,7 @@ void add_synth(CLI::App& app, Action& chosen) {
   command->add_option(
       "--base", arguments->base,
       "A mesh to sculpt instead of the built-in statue, subdivided to any size beyond its own");
+  command->add_flag("--lenient", arguments->is_lenient, kLenientHelp);
   command->add_flag("--shuffle", arguments->options.shuffle,
                     "Write vertices and faces in an order without locality");
   command->add_flag("--no-colors", arguments->no_colors, "Without vertex colours");

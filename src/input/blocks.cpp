@@ -13,25 +13,18 @@ namespace colossus::input {
 using core::fail;
 using core::Status;
 
-std::uint8_t color_from_byte(double value) {
-  if (!(value > 0)) return 0;
-  return static_cast<std::uint8_t>(std::min(value, 255.0) + 0.5);
+void VertexValues::set_color(std::size_t k, double value, Remarks& remarks) {
+  if (std::isnan(value)) {
+    is_color_undefined = true;
+    return;
+  }
+  color.set(k, value);
+  note_color(k, value, remarks);
 }
-
-std::uint8_t color_from_unit(double value) { return color_from_byte(value * 255); }
 
 std::array<float, 3> normal_or_zero(const std::array<double, 3>& normal) {
-  std::array<float, 3> result{};
-  for (int i = 0; i < 3; ++i) {
-    if (!(std::abs(normal[i]) <= std::numeric_limits<float>::max())) return {};
-    result[i] = static_cast<float>(normal[i]);
-  }
-  return result;
-}
-
-void fail_coordinate(const SourceInfo& info, std::uint64_t vertex, int axis, double value) {
-  fail(Status::kBadData, "{}: vertex {}: coordinate {} is {}; expected a finite number", info.path.string(),
-       vertex, "xyz"[axis], value);
+  if (!is_normal(normal)) return {};
+  return {static_cast<float>(normal[0]), static_cast<float>(normal[1]), static_cast<float>(normal[2])};
 }
 
 void fail_index(const SourceInfo& info, std::string_view element, std::uint64_t number, std::int64_t index,
@@ -43,16 +36,25 @@ void fail_index(const SourceInfo& info, std::string_view element, std::uint64_t 
 void check_vertex_count(const SourceInfo& info, std::uint64_t count) {
   if (count == 0) fail(Status::kBadData, "{}: has no vertices", info.path.string());
   if (count > std::numeric_limits<std::uint32_t>::max())
-    fail(Status::kBadData, "{}: has {} vertices; at most {} are supported per file: split it",
+    fail(Status::kBadData, "{}: has {} vertices; at most {} (2^32 - 1) are supported per file: split it",
          info.path.string(), count, std::numeric_limits<std::uint32_t>::max());
 }
 
 void VertexCollector::add(const VertexValues& values) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(values.position[axis])) fail_coordinate(info_, count(), axis, values.position[axis]);
+  if (!is_finite(values.position)) remarks_.undefined_positions.add(count());
+  if (info_.has_normals) {
+    if (!is_normal(values.normal)) remarks_.undefined_normals.add(count());
+    block_.normals.push_back(normal_or_zero(values.normal));
+  }
+  if (info_.has_colors && !info_.has_face_colors) {
+    remarks_.has_colors = 1;
+    if (values.is_color_undefined) remarks_.undefined_colors.add(count());
+    if (!values.has_color) remarks_.missing_colors.add(count());
+    const ReadColor color = values.is_color_undefined || !values.has_color ? ReadColor{} : values.color;
+    block_.colors.push_back(color.unit);
+    if (info_.has_both_readings) block_.byte_colors.push_back(color.byte);
+  }
   block_.positions.push_back(values.position);
-  if (info_.has_normals) block_.normals.push_back(normal_or_zero(values.normal));
-  if (info_.has_colors) block_.colors.push_back(values.color);
   if (block_.positions.size() == kBlockElements) finish();
 }
 
@@ -64,13 +66,61 @@ void VertexCollector::finish() {
   first_ += size;
 }
 
+void FaceCollector::color_new_triangles(const ReadColor* color) {
+  if (!info_.has_face_colors) return;
+  has_colors_ = has_colors_ || color != nullptr;
+  block_.colors.resize(block_.triangles.size(), color != nullptr ? color->unit : kNoColor);
+  if (info_.has_both_readings)
+    block_.byte_colors.resize(block_.triangles.size(), color != nullptr ? color->byte : kNoColor);
+}
+
+void FaceCollector::end_polygon(const ReadColor* color) {
+  remarks_.polygons += corners_ > 3;
+  remarks_.small += corners_ < 3;
+  if (info_.has_face_colors && color == nullptr) remarks_.missing_colors.add(faces_);
+  if (is_large_)
+    remarks_.large_polygons.add(faces_);
+  else if (corners_ > 3)
+    block_.polygons.push_back({static_cast<std::uint32_t>(begin_), static_cast<std::uint32_t>(corners_)});
+  color_new_triangles(color);
+  begin_ = block_.triangles.size();
+  corners_ = 0;
+  is_large_ = false;
+  ++faces_;
+}
+
+void FaceCollector::end_strip() {
+  color_new_triangles(nullptr);
+  begin_ = block_.triangles.size();
+  remarks_.small += corners_ == 1 || corners_ == 2;
+  corners_ = 0;
+}
+
+// Delivers all triangles of the block but those of the polygon at hand.
 void FaceCollector::flush() {
-  if (!block_.triangles.empty()) sink_.triangles(std::exchange(block_, {}));
+  if (begin_ == 0) {
+    is_large_ = true;
+    begin_ = block_.triangles.size();
+  }
+  TriangleBlock rest;
+  const auto begin = static_cast<std::ptrdiff_t>(begin_);
+  rest.triangles.assign(block_.triangles.begin() + begin, block_.triangles.end());
+  block_.triangles.resize(begin_);
+  color_new_triangles(nullptr);  // of a strip
+  if (has_colors_) {
+    remarks_.has_colors = 1;
+  } else {
+    block_.colors.clear();
+    block_.byte_colors.clear();
+  }
+  has_colors_ = false;
+  sink_.triangles(std::exchange(block_, std::move(rest)));
+  begin_ = 0;
 }
 
 void FaceCollector::finish() {
-  flush();
-  if (odd_.polygons + odd_.small > 0) sink_.odd_faces(odd_);
+  begin_ = block_.triangles.size();
+  if (begin_ > 0) flush();
 }
 
 }  // namespace colossus::input

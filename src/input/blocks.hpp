@@ -1,31 +1,48 @@
 // Accumulates vertices and faces one by one into blocks for a sink, with the checks that all formats share.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "input/source.hpp"
 
 namespace colossus::input {
 
-// One vertex as a text or variable-stride format yields it. Colour components are 0 to 255 already.
+// One vertex as a text or variable-stride format yields it.
 struct VertexValues {
   std::array<double, 3> position{};
   std::array<double, 3> normal{};
-  std::array<std::uint8_t, 4> color{0, 0, 0, 255};
+  ReadColor color;
+  bool has_color = true;            // else it is missing where others have one
+  bool is_color_undefined = false;  // a component is not a number
+
+  // Component `k` of 0 to 3 of the colour, of unknown scale.
+  void set_color(std::size_t k, double value, Remarks& remarks);
+  // Null if it is undefined.
+  const ReadColor* known_color() const { return is_color_undefined ? nullptr : &color; }
 };
 
-// A colour component of 0 to 1 as a byte, rounded and clamped; NaN becomes 0.
-std::uint8_t color_from_unit(double value);
-// A colour component of 0 to 255 as a byte, rounded and clamped; NaN becomes 0.
-std::uint8_t color_from_byte(double value);
+// Remarks the greatest component `k` of colours of unknown scale.
+inline void note_color(std::size_t k, double value, Remarks& remarks) {
+  double& greatest = k == 3 ? remarks.greatest_alpha : remarks.greatest_color;
+  greatest = std::max(greatest, value);
+}
 
-// (0, 0, 0) unless all three components are finite as floats.
+// Whether all three components are finite as floats.
+inline bool is_normal(const std::array<double, 3>& n) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  return std::abs(n[0]) <= kMost && std::abs(n[1]) <= kMost && std::abs(n[2]) <= kMost;
+}
+// (0, 0, 0) unless is_normal().
 std::array<float, 3> normal_or_zero(const std::array<double, 3>& normal);
 
-// Throws Error(kBadData): vertex `vertex`'s coordinate `axis` is not finite.
-[[noreturn]] void fail_coordinate(const SourceInfo& info, std::uint64_t vertex, int axis, double value);
+inline bool is_finite(const std::array<double, 3>& p) {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
 
 // Throws Error(kBadData): `element` number `number` names vertex `index`, of `vertex_count`.
 [[noreturn]] void fail_index(const SourceInfo& info, std::string_view element, std::uint64_t number,
@@ -33,9 +50,9 @@ std::array<float, 3> normal_or_zero(const std::array<double, 3>& normal);
 
 class VertexCollector {
  public:
-  VertexCollector(const SourceInfo& info, BlockSink& sink) : info_(info), sink_(sink) {}
-  // Throws Error(kBadData) for a coordinate that is not finite, and for more vertices than 32 bits can
-  // number.
+  VertexCollector(const SourceInfo& info, BlockSink& sink, Remarks& remarks)
+      : info_(info), sink_(sink), remarks_(remarks) {}
+  // Throws Error(kBadData) for more vertices than 32 bits can number.
   void add(const VertexValues& values);
   // Delivers what is left; to be called once at the end.
   void finish();
@@ -44,6 +61,7 @@ class VertexCollector {
  private:
   const SourceInfo& info_;
   BlockSink& sink_;
+  Remarks& remarks_;
   std::uint64_t first_ = 0;
   VertexBlock block_;
 };
@@ -51,47 +69,52 @@ class VertexCollector {
 // Turns the corners of faces and strips into triangles. The caller has checked that the indices are in range.
 class FaceCollector {
  public:
-  explicit FaceCollector(BlockSink& sink) : sink_(sink) {}
+  FaceCollector(const SourceInfo& info, BlockSink& sink, Remarks& remarks)
+      : info_(info), sink_(sink), remarks_(remarks) {}
 
-  // A polygon: its corners in order, then end_polygon().
+  // A polygon: its corners in order, then end_polygon(). One with more corners than a block has room for is
+  // remarked, and delivered as if it were convex.
   void polygon_corner(std::uint32_t index) {
     if (corners_ >= 2) add(first_, last_, index);
     if (corners_ == 0) first_ = index;
     last_ = index;
     ++corners_;
   }
-  void end_polygon() {
-    odd_.polygons += corners_ > 3;
-    odd_.small += corners_ < 3;
-    corners_ = 0;
-  }
+  // Without a colour it is white, in a block in which others have one.
+  void end_polygon(const ReadColor* color = nullptr);
 
   // A triangle strip: every corner after the second makes a triangle, every other one is turned over so that
   // all face the same way. end_strip() at a restart and at the end.
   void strip_corner(std::uint32_t index) {
-    if (corners_ >= 2) corners_ % 2 == 0 ? add(first_, last_, index) : add(last_, first_, index);
+    if (corners_ >= 2) {
+      corners_ % 2 == 0 ? add(first_, last_, index) : add(last_, first_, index);
+      begin_ = block_.triangles.size();  // a strip may be cut by the end of a block
+    }
     first_ = last_;
     last_ = index;
     ++corners_;
   }
-  void end_strip() {
-    odd_.small += corners_ == 1 || corners_ == 2;
-    corners_ = 0;
-  }
+  void end_strip();
 
-  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    block_.triangles.push_back({a, b, c});
-    if (block_.triangles.size() == kBlockElements) flush();
-  }
-  // Delivers what is left and the odd faces; to be called once at the end.
+  // Delivers what is left; to be called once at the end.
   void finish();
 
  private:
+  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (block_.triangles.size() == kBlockElements) flush();
+    block_.triangles.push_back({a, b, c});
+  }
+  void color_new_triangles(const ReadColor* color);
   void flush();
 
+  const SourceInfo& info_;
   BlockSink& sink_;
+  Remarks& remarks_;
   TriangleBlock block_;
-  OddFaces odd_;
+  bool has_colors_ = false;  // the block
+  bool is_large_ = false;    // the polygon at hand
+  std::uint64_t faces_ = 0;  // polygons that have ended
+  std::size_t begin_ = 0;    // of the polygon at hand, in the block
   std::uint64_t corners_ = 0;
   std::uint32_t first_ = 0;
   std::uint32_t last_ = 0;

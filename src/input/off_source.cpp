@@ -1,13 +1,17 @@
-// OFF files (Geomview): [ST][C][N]OFF in ASCII, with comments. One row per line. (Why not OpenMesh: see
-// stl_source.cpp.)
+// OFF files as Geomview defines them (Geomview manual, "OFF"): [ST][C][N]OFF in ASCII, with comments. (Why
+// not OpenMesh: see stl_source.cpp.)
 //
 //   COFF   # the keyword may be missing, or stand on one line with the counts, even without a space
-//   3 1 0  # vertices, faces, edges (not read)
+//   3 1 0  # vertices, faces, edges (not read, and sometimes absent)
 //   x y z [nx ny nz] [r g b [a]] [s t]
-//   3 0 1 2 [colour of the face, not read]
+//   3 0 1 2 [colour of the face]
 //
-// Colours are floats from 0 to 1 if any of the file's has a point or an exponent, or if none is greater than
-// 1; else they are 0 to 255. So one pass over the vertices precedes the first part of a file with colours.
+// White space is free between the numbers of vertices; the colour of a face ends with its line, and has 3 or
+// 4 numbers, or one that is an index into a table that nobody has. Geomview's vertex colours have 4 numbers,
+// those of many others 3. Some write colours, or other numbers, behind vertices without saying so in the
+// keyword. So the line of the first vertex decides: if it has as many numbers as a vertex should have, or if
+// all lines of vertices have as many as it, then each vertex has a line of its own, and what is surplus there
+// can be told.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -25,170 +29,349 @@ namespace {
 using core::fail;
 using core::Status;
 
+constexpr std::uint64_t kLookedAtLines = 16;
+
+// What the header says.
+struct Header {
+  std::string keyword;
+  std::uint64_t vertex_count = 0;
+  std::uint64_t face_count = 0;
+  std::uint64_t prose_lines = 0;  // between the keyword and the counts
+  bool has_float_counts = false;
+};
+
+// How many words are left on the line; of the next one that has any, if there are none.
+std::size_t words_of_line(TextReader& text) {
+  if (!text.has_word() && !text.next_row()) return 0;
+  std::size_t words = 0;
+  while (!text.word().empty()) ++words;
+  return words;
+}
+
+// Whether a row is that of a face: a count, and at least so many words more.
+bool is_face_row(TextReader& text) {
+  if (!text.next_row()) return false;
+  const auto corners = parse_int(text.word());
+  std::int64_t words = 0;
+  while (!text.word().empty()) ++words;
+  return corners && *corners >= 0 && words >= *corners;
+}
+
+class HeaderReader {
+ public:
+  HeaderReader(const SourceInfo& info, const SourceOptions& options, TextReader& text)
+      : info_(info), options_(options), text_(text) {}
+
+  // To the first vertex.
+  Header read() {
+    Header header;
+    std::string first = take_keyword(header.keyword);
+    if (first == "BINARY") bad("an ASCII file; convert it to PLY", "OFF BINARY");
+    while (options_.is_lenient && !header.keyword.empty() && !parse_double(first) && text_.next_row()) {
+      ++header.prose_lines;
+      first = text_.word();
+    }
+    header.vertex_count = parse_count(first, header);
+    const std::uint64_t line = text_.line();
+    header.face_count = parse_count(std::string(text_.word_of_any_line()), header);
+    if (has_edge_count(line, header)) text_.word_of_any_line();
+    return header;
+  }
+
+  [[noreturn]] void bad(std::string_view expected, std::string_view found) const {
+    fail(Status::kBadData, "{}: header (line {}): expected {}, found '{}'", info_.path.string(), text_.line(),
+         expected, found);
+  }
+
+ private:
+  // Reads the keyword, if there is one, and returns the first count's word, which may follow it directly.
+  std::string take_keyword(std::string& keyword) {
+    std::string word(text_.word_of_any_line());
+    const std::size_t from = word == "4OFF" ? 1 : 0;
+    const std::size_t digits = std::min(word.find_first_of("0123456789", from), word.size());
+    keyword = word.substr(0, digits);
+    word.erase(0, digits);
+    return !word.empty() ? word : std::string(text_.word_of_any_line());
+  }
+
+  std::uint64_t parse_count(const std::string& word, Header& header) const {
+    auto count = parse_int(word);
+    if (!count && options_.is_lenient) {
+      count = parse_float_int(word);
+      header.has_float_counts = true;
+    }
+    if (!count || *count < 0) bad("a count of vertices or faces", word);
+    return static_cast<std::uint64_t>(*count);
+  }
+
+  // Whether the next word is the number of edges. It is missing only if the line of the other counts has no
+  // other word, and all lines of vertices, with at least three numbers each, and that of the first face
+  // follow.
+  bool has_edge_count(std::uint64_t line_of_vertices, const Header& header) const {
+    TextReader ahead = text_;
+    if (text_.line() != line_of_vertices || ahead.has_word()) return true;
+    const std::size_t numbers = words_of_line(ahead);
+    if (numbers < 3) return true;
+    for (std::uint64_t i = 1; i < header.vertex_count; ++i)
+      if (words_of_line(ahead) != numbers) return true;
+    return header.face_count > 0 && !is_face_row(ahead);
+  }
+
+  const SourceInfo& info_;
+  const SourceOptions& options_;
+  TextReader& text_;
+};
+
+// Which numbers a vertex has, and how they lie.
+struct Layout {
+  bool is_rows = false;        // each vertex on a line of its own
+  std::size_t plain_size = 3;  // position and normal
+  std::size_t color_size = 0;
+  std::size_t rest_size = 0;  // texture coordinates, or surplus numbers in every row
+
+  std::size_t size() const { return plain_size + color_size + rest_size; }
+};
+
 class OffSource final : public Source {
  public:
-  OffSource(core::File file, const SourceOptions& options) : file_(std::move(file)) {
-    info_.path = file_.path();
-    info_.bytes = file_.size();
+  OffSource(core::File opened, const SourceOptions& options) : Source(std::move(opened), options) {
     TextReader text = open_text();
-    read_header(text);
-    info_.format = fmt::format("{}{}{}OFF", has_texture_ ? "ST" : "", info_.has_colors ? "C" : "",
+    HeaderReader reader(info_, options_, text);
+    const Header header = reader.read();
+    take_keyword(reader, header);
+    info_.vertex_count = header.vertex_count;
+    info_.face_count = header.face_count;
+    info_.format = fmt::format("{}{}{}OFF", has_texture_ ? "ST" : "", has_color_keyword_ ? "C" : "",
                                info_.has_normals ? "N" : "");
+    if (header.prose_lines > 0)
+      info_.passed.push_back(
+          fmt::format("{} lines of prose in the header, which --lenient lets pass", header.prose_lines));
+    if (header.has_float_counts)
+      info_.passed.push_back("floats for counts in the header, which --lenient lets pass");
     if (has_texture_) info_.textures.push_back("vertex.st");
     refuse_textures(info_, options);
+    check_vertex_count(info_, info_.vertex_count);
     // Each number takes a character and a separator.
     const std::uint64_t left = info_.bytes;
     if (info_.vertex_count > left / 6 || info_.face_count > left / 2)
       fail(Status::kBadData,
            "{}: truncated, or the header lies: expected {} vertices and {} faces, found {} bytes",
            info_.path.string(), info_.vertex_count, info_.face_count, info_.bytes);
-    check_vertex_count(info_, info_.vertex_count);
-    scan_vertices(text);
+    find_layout(text);
+    info_.has_colors = layout_.color_size > 0;
+    info_.has_face_colors = !info_.has_colors;
+    info_.has_both_readings = true;
   }
 
   std::vector<Part> parts() const override { return {{PartKind::kWhole, 0, 0}}; }
 
   bool read(const Part&, BlockSink& sink) const override {
     TextReader text = open_text();
-    skip_header(text);
-    VertexCollector vertices(info_, sink);
-    for (std::uint64_t i = 0; i < info_.vertex_count; ++i) vertices.add(read_vertex(text, i));
+    HeaderReader(info_, options_, text).read();
+    Remarks remarks;
+    VertexCollector vertices(info_, sink, remarks);
+    for (std::uint64_t i = 0; i < info_.vertex_count; ++i) vertices.add(read_vertex(text, i, remarks));
     vertices.finish();
-    FaceCollector faces(sink);
-    for (std::uint64_t i = 0; i < info_.face_count; ++i) read_face(text, i, faces);
+    FaceCollector faces(info_, sink, remarks);
+    const bool is_free = are_faces_free(text);
+    for (std::uint64_t i = 0; i < info_.face_count; ++i) read_face(text, i, is_free, faces, remarks);
     faces.finish();
     if (text.next_row())
-      fail(Status::kBadData, "{}: line {}: expected the end of the file after {} faces, found '{}'",
-           info_.path.string(), text.line(), info_.face_count, text.word());
+      check_tail(info_, options_, file(), text.offset(), remarks, text.line());
+    else
+      remarks.trailing_padding = text.padding();
+    sink.remarks(remarks);
     return true;
   }
 
  private:
-  TextReader open_text() const { return TextReader(file_, 0, {.comments = true, .continuations = false}); }
+  TextReader open_text() const { return TextReader(file(), 0, {.comments = true, .continuations = false}); }
 
-  [[noreturn]] void bad_header(const TextReader& text, std::string_view expected,
-                               std::string_view found) const {
-    fail(Status::kBadData, "{}: header (line {}): expected {}, found '{}'", info_.path.string(), text.line(),
-         expected, found);
-  }
-
-  // Reads the keyword, if there is one, and returns the first count's word, which may follow it directly.
-  static std::string take_keyword(TextReader& text, std::string& keyword) {
-    std::string word(text.word_of_any_line());
-    const std::size_t from = word == "4OFF" ? 1 : 0;
-    const std::size_t digits = std::min(word.find_first_of("0123456789", from), word.size());
-    keyword = word.substr(0, digits);
-    word.erase(0, digits);
-    return !word.empty() ? word : std::string(text.word_of_any_line());
-  }
-
-  static void skip_header(TextReader& text) {
-    std::string keyword;
-    take_keyword(text, keyword);
-    text.word_of_any_line();
-  }
-
-  void read_header(TextReader& text) {
-    std::string keyword;
-    const std::string first = take_keyword(text, keyword);
-    std::string_view rest = keyword;
+  void take_keyword(const HeaderReader& reader, const Header& header) {
+    std::string_view rest = header.keyword;
     const auto take = [&](std::string_view prefix) {
       if (!rest.starts_with(prefix)) return false;
       rest.remove_prefix(prefix.size());
       return true;
     };
     has_texture_ = take("ST");
-    info_.has_colors = take("C");
+    has_color_keyword_ = take("C");
     info_.has_normals = take("N");
-    if (!keyword.empty() && rest != "OFF")
-      bad_header(text, "OFF, with ST, C and N before it, in three dimensions", keyword);
-    if (first == "BINARY") bad_header(text, "an ASCII file; convert it to PLY", "OFF BINARY");
-    info_.vertex_count = parse_count(text, first);
-    info_.face_count = parse_count(text, std::string(text.word_of_any_line()));
+    if (!header.keyword.empty() && rest != "OFF")
+      reader.bad("OFF, with ST, C and N before it, in three dimensions", header.keyword);
   }
 
-  std::uint64_t parse_count(const TextReader& text, const std::string& word) const {
-    const auto count = parse_int(word);
-    if (!count || *count < 0) bad_header(text, "a count of vertices or faces", word);
-    return static_cast<std::uint64_t>(*count);
+  // From the line of the first vertex, and from the others' where it does not decide.
+  void find_layout(const TextReader& text) {
+    layout_.plain_size = info_.has_normals ? 6 : 3;
+    layout_.rest_size = has_texture_ ? 2 : 0;
+    const std::size_t least = layout_.size();
+    TextReader ahead = text;
+    const std::size_t numbers = words_of_line(ahead);
+    const bool is_color = has_color_keyword_ && (numbers == least + 3 || numbers == least + 4);
+    const bool is_plain = !has_color_keyword_ && numbers == least;
+    if (!is_color && !is_plain && numbers >= least && are_alike(ahead, numbers))
+      return take_surplus(numbers - least);
+    if (has_color_keyword_)
+      layout_.color_size = numbers > 0 && numbers % (least + 4) != 0 && numbers % (least + 3) == 0 ? 3 : 4;
+    layout_.is_rows = numbers >= layout_.size() && are_mostly(text, layout_.size());
   }
 
-  // How many numbers a colour has (as in the first row), and of which kind they are.
-  void scan_vertices(TextReader& text) {
-    if (!info_.has_colors) return;
-    const std::size_t before = info_.has_normals ? 6 : 3;
-    double largest = 0;
-    for (std::uint64_t i = 0; i < info_.vertex_count && text.next_row(); ++i) {
-      std::array<std::string, 4> colors;
-      std::size_t words = 0;
-      for (auto word = text.word(); !word.empty(); word = text.word(), ++words)
-        if (words >= before && words < before + 4) colors[words - before] = word;
-      if (i == 0) color_size_ = color_size(words - std::min(words, before + (has_texture_ ? 2 : 0)));
-      for (int k = 0; k < color_size_; ++k) {
-        largest = std::max(largest, parse_double(colors[k]).value_or(0));
-        colors_are_floats_ |= colors[k].find_first_of(".eE") != std::string::npos;
-      }
+  // Whether most of the first lines of vertices have so many numbers.
+  bool are_mostly(TextReader text, std::size_t numbers) const {
+    const std::uint64_t lines = std::min(info_.vertex_count, kLookedAtLines);
+    std::uint64_t alike = 0;
+    for (std::uint64_t i = 0; i < lines; ++i) alike += words_of_line(text) == numbers;
+    return 2 * alike >= lines;
+  }
+
+  // Whether all vertices' lines have so many numbers as the first, which has been read. Vertices that share
+  // lines may look so where faces have as many corners; but then there are not enough lines.
+  bool are_alike(TextReader& text, std::size_t numbers) const {
+    for (std::uint64_t i = 1; i < info_.vertex_count; ++i)
+      if (words_of_line(text) != numbers) return false;
+    for (std::uint64_t i = 0; i < info_.face_count; ++i)
+      if (!text.next_row()) return false;
+    return true;
+  }
+
+  // So many numbers in all rows that the keyword does not speak of, or too few or many for a colour.
+  void take_surplus(std::size_t numbers) {
+    layout_.is_rows = true;
+    if (numbers == 3 || numbers == 4) {
+      layout_.color_size = numbers;
+      return;
     }
-    colors_are_floats_ |= largest <= 1;
-    info_.has_colors = color_size_ > 0;
+    layout_.rest_size += numbers;
+    info_.skipped.push_back(has_color_keyword_ ? fmt::format("vertex colours of {} numbers", numbers)
+                                               : fmt::format("{} more numbers per vertex", numbers));
   }
 
-  int color_size(std::size_t numbers) {
-    if (numbers >= 3) return numbers >= 4 ? 4 : 3;
-    info_.skipped.push_back(fmt::format("vertex colours of {} numbers", numbers));
-    return 0;
+  [[noreturn]] void fail_word(const TextReader& text, const char* element, std::uint64_t number,
+                              std::string_view expected, std::string_view found) const {
+    if (found.empty())
+      fail(Status::kBadData, "{}: truncated in {} {} (line {}): expected {}, found the end of the file",
+           info_.path.string(), element, number, text.line(), expected);
+    fail(Status::kBadData, "{}: {} {} (line {}): expected {}, found '{}'", info_.path.string(), element,
+         number, text.line(), expected, found);
   }
 
-  void next_row(TextReader& text, const char* element, std::uint64_t number, std::uint64_t count) const {
-    if (!text.next_row())
-      fail(Status::kBadData, "{}: truncated: expected {} {} rows, found {}", info_.path.string(), count,
-           element, number);
-  }
-
-  template <typename Parse>
-  auto take_number(TextReader& text, const char* element, std::uint64_t number, const Parse& parse) const {
-    const std::string_view word = text.word();
-    const auto value = parse(word);
+  double take_number(TextReader& text, std::uint64_t vertex) const {
+    const std::string_view word = layout_.is_rows ? text.word() : text.word_of_any_line();
+    const auto value = parse_double(word);
     if (!value)
-      fail(Status::kBadData, "{}: {} {} (line {}): expected a number, found '{}'", info_.path.string(),
-           element, number, text.line(), word.empty() ? "the end of the line" : word);
+      fail_word(text, "vertex", vertex, "a number",
+                word.empty() && text.remaining() > 0 ? "the end of the line" : word);
     return *value;
   }
 
-  VertexValues read_vertex(TextReader& text, std::uint64_t i) const {
-    next_row(text, "vertex", i, info_.vertex_count);
+  VertexValues read_vertex(TextReader& text, std::uint64_t i, Remarks& remarks) const {
+    if (layout_.is_rows && !text.has_word()) text.next_row();
     VertexValues values;
-    for (double& value : values.position) value = take_number(text, "vertex", i, parse_double);
-    for (int k = 0; k < 3 && info_.has_normals; ++k)
-      values.normal[k] = take_number(text, "vertex", i, parse_double);
-    for (int k = 0; k < color_size_; ++k) {
-      const double value = take_number(text, "vertex", i, parse_double);
-      if (value != value)
-        fail(Status::kBadData, "{}: vertex {}: colour {} is nan; expected a number", info_.path.string(), i,
-             k);
-      values.color[k] = colors_are_floats_ ? color_from_unit(value) : color_from_byte(value);
-    }
+    for (double& value : values.position) value = take_number(text, i);
+    for (std::size_t k = 0; k < 3 && info_.has_normals; ++k) values.normal[k] = take_number(text, i);
+    for (std::size_t k = 0; k < layout_.color_size; ++k) values.set_color(k, take_number(text, i), remarks);
+    for (std::size_t k = 0; k < layout_.rest_size; ++k) take_number(text, i);
+    if (!layout_.is_rows) return values;
+    std::string_view extra = text.word();
+    if (extra.empty()) return values;
+    if (!options_.is_lenient)
+      fail(Status::kBadData,
+           "{}: vertex {} (line {}): expected the end of the line after {} numbers, found '{}'; --lenient "
+           "lets surplus "
+           "numbers pass",
+           info_.path.string(), i, text.line(), layout_.size(), extra);
+    while (!extra.empty()) extra = text.word();
+    remarks.surplus_in_vertices.add(i);
     return values;
   }
 
-  void read_face(TextReader& text, std::uint64_t i, FaceCollector& faces) const {
-    next_row(text, "face", i, info_.face_count);
-    const std::int64_t corners = take_number(text, "face", i, parse_int);
+  // A count of corners or an index.
+  std::int64_t take_int(TextReader& text, std::uint64_t face, bool& has_floats) const {
+    const std::string_view word = text.word_of_any_line();
+    if (const auto value = parse_int(word)) return *value;
+    const auto value = parse_float_int(word);
+    if (value && !options_.is_lenient)
+      fail_word(text, "face", face, "an integer (--lenient lets floats pass)", word);
+    if (!value) fail_word(text, "face", face, "a number", word);
+    has_floats = true;
+    return *value;
+  }
+
+  // Whether lines do not tell where faces end; these have no colours then.
+  bool are_faces_free(TextReader ahead) const {
+    if (layout_.is_rows) {
+      TextReader rows = ahead;
+      std::uint64_t count = 0;
+      while (count < info_.face_count && rows.next_row()) ++count;
+      if (count == info_.face_count) return false;
+    }
+    for (std::uint64_t i = 0; i < info_.face_count; ++i) {
+      const auto corners = parse_int(ahead.word_of_any_line());
+      if (!corners) return false;
+      for (std::int64_t k = 0; k < *corners; ++k)
+        if (ahead.word_of_any_line().empty()) return false;
+    }
+    return !ahead.has_word() && !ahead.next_row();
+  }
+
+  void read_face(TextReader& text, std::uint64_t i, bool is_free, FaceCollector& faces,
+                 Remarks& remarks) const {
+    bool has_floats = false;
+    const std::int64_t corners = take_int(text, i, has_floats);
+    const std::uint64_t line = text.line();
     if (corners < 0)
       fail(Status::kBadData, "{}: face {}: {} corners; expected at least 0", info_.path.string(), i, corners);
     for (std::int64_t k = 0; k < corners; ++k) {
-      const std::int64_t index = take_number(text, "face", i, parse_int);
+      const std::int64_t index = take_int(text, i, has_floats);
       if (static_cast<std::uint64_t>(index) >= info_.vertex_count)
         fail_index(info_, "face", i, index, info_.vertex_count);
       faces.polygon_corner(static_cast<std::uint32_t>(index));
     }
-    faces.end_polygon();
+    if (has_floats) remarks.float_indices.add(i);
+    if (is_free) return faces.end_polygon();
+    // Where vertices have lines of their own, a face that goes on over several may do so because a corner is
+    // missing: then what belongs to the next one is left over.
+    if (layout_.is_rows && text.line() != line && text.has_word())
+      fail_word(text, "face", i, fmt::format("{} corners on line {}, or the end of this line", corners, line),
+                text.word());
+    end_face(text, i, faces, remarks);
   }
 
-  core::File file_;
+  // With the rest of its line, the colour.
+  void end_face(TextReader& text, std::uint64_t i, FaceCollector& faces, Remarks& remarks) const {
+    std::array<double, 4> numbers{};
+    std::size_t count = 0;
+    for (auto word = text.word(); !word.empty(); word = text.word(), ++count) {
+      const auto value = parse_double(word);
+      if (!value) fail_word(text, "face", i, "a number of a colour, or the end of the line", word);
+      if (count < numbers.size()) numbers[count] = *value;
+    }
+    if (count == 2 || count > numbers.size()) {
+      if (!options_.is_lenient)
+        fail(Status::kBadData,
+             "{}: face {} (line {}): expected a colour of 3 or 4 numbers, or the end of the line, found {} "
+             "numbers; "
+             "--lenient lets surplus numbers pass",
+             info_.path.string(), i, text.line(), count);
+      remarks.surplus_in_faces.add(i);
+    }
+    remarks.color_indices += count == 1;
+    if (count < 3) return faces.end_polygon();
+    if (!info_.has_face_colors) {
+      ++remarks.unread_colors;
+      return faces.end_polygon();
+    }
+    VertexValues values;
+    for (std::size_t k = 0; k < std::min(count, numbers.size()); ++k)
+      values.set_color(k, numbers[k], remarks);
+    if (values.is_color_undefined) remarks.undefined_colors.add(i);
+    faces.end_polygon(values.known_color());
+  }
+
   bool has_texture_ = false;
-  int color_size_ = 0;
-  bool colors_are_floats_ = false;
+  bool has_color_keyword_ = false;
+  Layout layout_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
 // Of elements, and of properties per element; names are looked up linearly.
 constexpr std::size_t kMaxEntries = 1000;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::optional<PlyType> type_by_name(std::string_view name) {
   static constexpr std::pair<std::string_view, PlyType> kNames[] = {
@@ -29,7 +30,8 @@ std::optional<PlyType> type_by_name(std::string_view name) {
 
 class Parser {
  public:
-  Parser(const core::File& file, std::string_view text) : file_(file), text_(text) {
+  Parser(const core::File& file, std::string_view text, bool is_lenient)
+      : file_(file), text_(text), is_lenient_(is_lenient), at_(text.starts_with(kByteOrderMark) ? 3 : 0) {
     const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
     if (end + 1 < text.size() && text[end] == '\r' && text[end + 1] != '\n') line_end_ = '\r';
   }
@@ -49,8 +51,10 @@ class Parser {
         parse_property();
       } else if (keyword == "comment") {
         if (take_word() == "TextureFile") header_.texture_comments.emplace_back(line_);
-      } else if (keyword != "obj_info" && !keyword.empty()) {
-        bad("expected format, element, property, comment, obj_info or end_header");
+      } else if (keyword == "obj_info") {
+        header_.has_object_info = true;
+      } else if (!keyword.empty()) {
+        take_prose();
       }
     }
     if (!has_format_) bad("expected a format line before it");
@@ -75,6 +79,13 @@ class Parser {
     if (line_.ends_with('\r')) line_.remove_suffix(1);
     rest_ = line_;
     at_ = end + 1;
+  }
+
+  void take_prose() {
+    if (!is_lenient_)
+      bad("expected format, element, property, comment, obj_info or end_header (--lenient passes over "
+          "prose)");
+    if (header_.prose_lines++ == 0) header_.first_prose_line = line_number_;
   }
 
   std::string_view take_word() {
@@ -133,7 +144,8 @@ class Parser {
     property.is_list = take_word() == "list";
     if (property.is_list) {
       property.count_type = take_type();
-      if (is_float(property.count_type)) bad("expected an integer type for a list's count");
+      if (is_float(property.count_type) && !is_lenient_)
+        bad("expected an integer type for a list's count (--lenient lets floats pass)");
     } else {
       rest_ = before;
     }
@@ -150,8 +162,9 @@ class Parser {
 
   const core::File& file_;
   std::string_view text_;
+  bool is_lenient_;
   char line_end_ = '\n';
-  std::size_t at_ = 0;
+  std::size_t at_;
   std::uint64_t line_number_ = 0;
   std::string_view line_;
   std::string_view rest_;
@@ -173,7 +186,7 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
   return nullptr;
 }
 
-PlyHeader read_ply_header(const core::File& file) {
+PlyHeader read_ply_header(const core::File& file, bool is_lenient) {
   // Most headers are short; the whole limit is only read for those that are not.
   for (std::size_t size : {std::size_t{1} << 12, kMaxHeader}) {
     std::string text(size, '\0');
@@ -181,7 +194,7 @@ PlyHeader read_ply_header(const core::File& file) {
     const bool last = size == kMaxHeader || text.size() < size;
     if (last || text.find("end_header\n") != std::string::npos ||
         text.find("end_header\r\n") != std::string::npos)
-      return Parser(file, text).parse();
+      return Parser(file, text, is_lenient).parse();
   }
   return {};
 }

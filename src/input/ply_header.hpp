@@ -34,7 +34,7 @@ struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kFloat32;  // of the value, or of a list's items
   bool is_list = false;
-  PlyType count_type = PlyType::kUint8;  // of a list's count; an integer
+  PlyType count_type = PlyType::kUint8;  // of a list's count; an integer, unless lenient
 };
 
 struct PlyElement {
@@ -54,15 +54,18 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
   std::vector<std::string> texture_comments;  // "comment TextureFile ..." as they stand
+  bool has_object_info = false;               // obj_info
+  std::uint64_t prose_lines = 0;              // without a keyword
+  std::uint64_t first_prose_line = 0;         // from 1
   std::uint64_t bytes = 0;                    // the body starts here
 
   // The element, or nullptr.
   const PlyElement* find(std::string_view element) const;
 };
 
-// Lines may end with \n, \r\n or \r (as the first one does). Throws core::Error(kBadData) that names the line
-// for anything else than format 1.0, elements and properties with distinct names, comment and obj_info, and
-// for a header of more than 1 MiB.
-PlyHeader read_ply_header(const core::File& file);
+// Lines may end with \n, \r\n or \r (as the first one does); a byte order mark may come first. Throws
+// core::Error(kBadData) that names the line for anything else than format 1.0, elements and properties with
+// distinct names, comment and obj_info, but for prose if `is_lenient`, and for a header of more than 1 MiB.
+PlyHeader read_ply_header(const core::File& file, bool is_lenient);
 
 }  // namespace colossus::input

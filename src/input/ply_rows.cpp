@@ -1,5 +1,6 @@
 #include "input/ply_rows.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -67,14 +68,64 @@ void convert_column(PlyType type, bool swap, const std::byte* rows, std::size_t 
   });
 }
 
-std::uint8_t color_of(const SourceInfo& info, std::uint64_t vertex, int slot, PlyType type, double value) {
-  if (std::isnan(value)) {
-    static constexpr const char* kNames[] = {"red", "green", "blue", "alpha"};
-    fail(Status::kBadData, "{}: vertex {}: colour {} is nan; expected a number", info.path.string(), vertex,
-         kNames[slot - 6]);
-  }
-  if (is_float(type)) return color_from_unit(value);
+std::uint8_t color_from_int(PlyType type, double value) {
   return color_from_byte(type == PlyType::kUint16 ? value / 257 : value);
+}
+
+// One component of colours of unknown scale. Marks rows in which it is not a number.
+void convert_float_color(std::span<const double> column, std::size_t k, std::vector<Color>& colors,
+                         std::vector<Color>& byte_colors, std::vector<bool>& is_undefined, Remarks& remarks) {
+  double greatest = -1.0;
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    colors[i][k] = color_from_unit(column[i]);
+    byte_colors[i][k] = color_from_byte(column[i]);
+    if (std::isnan(column[i])) [[unlikely]] {
+      is_undefined.resize(column.size(), false);
+      is_undefined[i] = true;
+    } else {
+      greatest = std::max(greatest, column[i]);
+    }
+  }
+  note_color(k, greatest, remarks);
+}
+
+// The colours of `count` rows of `stride` bytes, the first of which is number `first`.
+void convert_colors(const std::array<RowColumn, 4>& columns, bool swap, std::span<const std::byte> rows,
+                    std::size_t stride, std::uint64_t first, std::size_t count, std::vector<Color>& colors,
+                    std::vector<Color>& byte_colors, Remarks& remarks) {
+  remarks.has_colors = 1;
+  colors.assign(count, {0, 0, 0, 255});
+  const bool has_both = std::any_of(columns.begin(), columns.end(), [](const RowColumn& column) {
+    return column.exists && is_float(column.type);
+  });
+  std::vector<double> values;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const RowColumn& column = columns[k];
+    if (!column.exists || is_float(column.type)) continue;
+    const std::byte* at = rows.data() + column.offset;
+    if (column.type == PlyType::kUint8) {
+      for (std::size_t i = 0; i < count; ++i) colors[i][k] = std::to_integer<std::uint8_t>(at[i * stride]);
+      continue;
+    }
+    values.resize(count);
+    convert_column(column.type, swap, at, stride, count, values.data(), 1);
+    for (std::size_t i = 0; i < count; ++i) colors[i][k] = color_from_int(column.type, values[i]);
+  }
+  if (!has_both) return;
+  byte_colors = colors;
+  std::vector<bool> is_undefined;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const RowColumn& column = columns[k];
+    if (!column.exists || !is_float(column.type)) continue;
+    values.resize(count);
+    convert_column(column.type, swap, rows.data() + column.offset, stride, count, values.data(), 1);
+    convert_float_color(values, k, colors, byte_colors, is_undefined, remarks);
+  }
+  for (std::size_t i = 0; i < is_undefined.size(); ++i) {
+    if (!is_undefined[i]) continue;
+    colors[i] = byte_colors[i] = kNoColor;
+    remarks.undefined_colors.add(first + i);
+  }
 }
 
 std::size_t offset_of(const PlyElement& element, int property) {
@@ -83,13 +134,18 @@ std::size_t offset_of(const PlyElement& element, int property) {
   return offset;
 }
 
+// Of a row in which all properties before this one are scalars.
+RowColumn column_of(const PlyElement& element, int property) {
+  if (property == kUnused) return {};
+  return {true, offset_of(element, property), element.properties[static_cast<std::size_t>(property)].type};
+}
+
 // Where each slot of `layout` finds its values in fixed rows.
 class Columns {
  public:
   Columns(const VertexLayout& layout, const PlyElement& element, bool swap, std::span<const std::byte> rows,
           std::size_t count)
       : layout_(layout), element_(element), swap_(swap), rows_(rows), count_(count) {}
-  bool has(int slot) const { return layout_.property[slot] >= 0; }
   PlyType type(int slot) const { return element_.properties[layout_.property[slot]].type; }
   const std::byte* begin(int slot) const {
     return rows_.data() + offset_of(element_, layout_.property[slot]);
@@ -115,6 +171,33 @@ PlyRole role_of(const PlyElement& element) {
   return PlyRole::kOther;
 }
 
+bool has_floats(const PlyElement& element, const ColorProperties& color) {
+  return std::any_of(color.begin(), color.end(), [&](int property) {
+    return property != kUnused && is_float(element.properties[static_cast<std::size_t>(property)].type);
+  });
+}
+
+ColorProperties find_color(const PlyElement& element) {
+  const auto scalar = [&](std::string_view name) {
+    const auto is_it = [&](const PlyProperty& property) {
+      return !property.is_list &&
+             std::equal(property.name.begin(), property.name.end(), name.begin(), name.end(),
+                        [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a + 32 : a) == b; });
+    };
+    const auto& properties = element.properties;
+    const auto found = std::find_if(properties.begin(), properties.end(), is_it);
+    return found == properties.end() ? kUnused : static_cast<int>(found - properties.begin());
+  };
+  using Names = std::array<std::string_view, 4>;
+  for (const Names& names :
+       {Names{"red", "green", "blue", "alpha"},
+        Names{"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"}, Names{"r", "g", "b", "a"}}) {
+    const ColorProperties color{scalar(names[0]), scalar(names[1]), scalar(names[2]), scalar(names[3])};
+    if (color[0] != kUnused && color[1] != kUnused && color[2] != kUnused) return color;
+  }
+  return kNoColorProperties;
+}
+
 VertexLayout make_vertex_layout(const SourceInfo& info, const PlyElement& element) {
   const auto scalar = [&](std::string_view name) {
     const int property = element.find(name);
@@ -133,38 +216,41 @@ VertexLayout make_vertex_layout(const SourceInfo& info, const PlyElement& elemen
     fail(Status::kBadData, "{}: header: element vertex: expected properties x, y and z that are no lists",
          info.path.string());
   layout.has_normals = set_three(3, {"nx", "ny", "nz"});
-  if (set_three(6, {"red", "green", "blue"})) {
-    layout.property[9] = scalar("alpha");
-  } else if (set_three(6, {"diffuse_red", "diffuse_green", "diffuse_blue"})) {
-    layout.property[9] = scalar("diffuse_alpha");
-  } else if (set_three(6, {"r", "g", "b"})) {
-    layout.property[9] = scalar("a");
-  }
-  layout.has_colors = layout.property[6] >= 0;
+  const ColorProperties color = find_color(element);
+  std::copy(color.begin(), color.end(), layout.property.begin() + 6);
+  layout.has_colors = color[0] != kUnused;
+  layout.has_float_colors = has_floats(element, color);
   layout.slot.assign(element.properties.size(), kUnused);
   for (int slot = 0; slot < 10; ++slot)
     if (layout.property[slot] >= 0) layout.slot[layout.property[slot]] = slot;
   return layout;
 }
 
-int find_index_list(const SourceInfo& info, const PlyElement& element) {
+int find_index_list(const SourceInfo& info, const PlyElement& element, bool is_lenient) {
   const int plural = element.find("vertex_indices");
   const int property = plural >= 0 ? plural : element.find("vertex_index");
-  if (property < 0 || !element.properties[property].is_list || is_float(element.properties[property].type))
+  if (property < 0 || !element.properties[property].is_list)
     fail(Status::kBadData, "{}: header: element {}: expected an integer list vertex_indices or vertex_index",
          info.path.string(), element.name);
+  if (is_float(element.properties[property].type) && !is_lenient)
+    fail(Status::kBadData,
+         "{}: header: element {}: expected an integer list {}, found floats; --lenient lets them pass",
+         info.path.string(), element.name, element.properties[property].name);
   return property;
 }
 
-void set_slot(const SourceInfo& info, std::uint64_t vertex, int slot, PlyType type, double value,
-              VertexValues& values) {
+void set_slot(int slot, PlyType type, double value, VertexValues& values, Remarks& remarks) {
   if (slot < 0) return;
   if (slot < 3) {
     values.position[slot] = value;
   } else if (slot < 6) {
     values.normal[slot - 3] = value;
   } else {
-    values.color[slot - 6] = color_of(info, vertex, slot, type, value);
+    const auto k = static_cast<std::size_t>(slot - 6);
+    if (is_float(type))
+      values.set_color(k, value, remarks);
+    else
+      values.color.set_known(k, color_from_int(type, value));
   }
 }
 
@@ -180,46 +266,41 @@ std::int64_t load_int(PlyType type, bool swap, const std::byte* at) {
   });
 }
 
-VertexBlock convert_vertex_rows(const SourceInfo& info, const VertexLayout& layout, const PlyElement& element,
-                                bool swap, std::span<const std::byte> rows, std::uint64_t first,
-                                std::size_t count) {
+VertexBlock convert_vertex_rows(const VertexLayout& layout, const PlyElement& element, bool swap,
+                                std::span<const std::byte> rows, std::uint64_t first, std::size_t count,
+                                Remarks& remarks) {
   COLOSSUS_CHECK(!element.has_list && rows.size() == count * element.row_bytes);
   const Columns columns(layout, element, swap, rows, count);
   VertexBlock block;
   block.positions.resize(count);
   for (int axis = 0; axis < 3; ++axis) columns.convert(axis, block.positions.data()->data() + axis, 3);
   for (std::size_t i = 0; i < count; ++i)
-    for (int axis = 0; axis < 3; ++axis)
-      if (!std::isfinite(block.positions[i][axis])) [[unlikely]]
-        fail_coordinate(info, first + i, axis, block.positions[i][axis]);
-  std::vector<double> column;
+    if (!is_finite(block.positions[i])) [[unlikely]]
+      remarks.undefined_positions.add(first + i);
   if (layout.has_normals) {
-    column.resize(3 * count);
+    std::vector<double> column(3 * count);
     for (int axis = 0; axis < 3; ++axis) columns.convert(3 + axis, column.data() + axis, 3);
     block.normals.resize(count);
-    for (std::size_t i = 0; i < count; ++i)
-      block.normals[i] = normal_or_zero({column[3 * i], column[3 * i + 1], column[3 * i + 2]});
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::array<double, 3> normal{column[3 * i], column[3 * i + 1], column[3 * i + 2]};
+      if (!is_normal(normal)) [[unlikely]]
+        remarks.undefined_normals.add(first + i);
+      block.normals[i] = normal_or_zero(normal);
+    }
   }
   if (layout.has_colors) {
-    block.colors.assign(count, {0, 0, 0, 255});
-    for (int slot = 6; slot < 10; ++slot) {
-      if (!columns.has(slot)) continue;
-      if (columns.type(slot) == PlyType::kUint8) {
-        const std::byte* at = columns.begin(slot);
-        for (std::size_t i = 0; i < count; ++i)
-          block.colors[i][slot - 6] = std::to_integer<std::uint8_t>(at[i * element.row_bytes]);
-        continue;
-      }
-      column.resize(count);
-      columns.convert(slot, column.data(), 1);
-      for (std::size_t i = 0; i < count; ++i)
-        block.colors[i][slot - 6] = color_of(info, first + i, slot, columns.type(slot), column[i]);
-    }
+    std::array<RowColumn, 4> color;
+    for (std::size_t k = 0; k < 4; ++k) color[k] = column_of(element, layout.property[6 + k]);
+    convert_colors(color, swap, rows, element.row_bytes, first, count, block.colors, block.byte_colors,
+                   remarks);
   }
   return block;
 }
 
-std::optional<TriangleRows> make_triangle_rows(const PlyElement& element, int index_list, bool swap) {
+std::optional<TriangleRows> make_triangle_rows(const PlyElement& element, int index_list,
+                                               const ColorProperties& color, bool swap) {
+  const PlyProperty& list = element.properties[static_cast<std::size_t>(index_list)];
+  if (is_float(list.type) || is_float(list.count_type)) return {};
   TriangleRows layout;
   layout.swap = swap;
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
@@ -232,6 +313,8 @@ std::optional<TriangleRows> make_triangle_rows(const PlyElement& element, int in
     } else if (property.is_list) {
       return {};
     } else {
+      for (std::size_t k = 0; k < color.size(); ++k)
+        if (color[k] == static_cast<int>(i)) layout.color[k] = {true, layout.stride, property.type};
       layout.stride += ply_size(property.type);
     }
   }
@@ -248,9 +331,13 @@ bool are_all_triangles(const TriangleRows& layout, std::span<const std::byte> ro
 }
 
 ConvertedTriangles convert_triangle_rows(const TriangleRows& layout, std::span<const std::byte> rows,
-                                         std::size_t count, std::uint64_t vertex_count) {
+                                         std::uint64_t first, std::size_t count, std::uint64_t vertex_count,
+                                         Remarks& remarks) {
   COLOSSUS_CHECK(rows.size() == count * layout.stride);
   ConvertedTriangles result;
+  if (layout.color[0].exists)
+    convert_colors(layout.color, layout.swap, rows, layout.stride, first, count, result.block.colors,
+                   result.block.byte_colors, remarks);
   result.block.triangles.resize(count);
   result.first_bad = count;
   const std::byte* begin = rows.data() + layout.list_offset + ply_size(layout.count_type);

@@ -11,28 +11,13 @@
 
 #include "core/error.hpp"
 #include "input/formats.hpp"
+#include "input/text_reader.hpp"
 
 namespace colossus::input {
 namespace {
 
 using core::fail;
 using core::Status;
-
-// White space behind the last element that is still no reason to doubt a fixed stride.
-constexpr std::uint64_t kMaxPadding = 64;
-
-bool is_white(std::byte byte) {
-  const char c = static_cast<char>(byte);
-  return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
-bool is_padding(const PlyFile& ply, std::uint64_t offset) {
-  if (ply.bytes - offset > kMaxPadding) return false;
-  std::array<std::byte, kMaxPadding> rest;
-  const std::span bytes = std::span(rest).first(ply.bytes - offset);
-  ply.file.read_at(offset, bytes);
-  return std::all_of(bytes.begin(), bytes.end(), is_white);
-}
 
 bool is_texture_name(const PlyElement& element, std::string_view name) {
   for (const auto& [a, b] : {std::pair{"s", "t"}, {"u", "v"}})
@@ -41,9 +26,19 @@ bool is_texture_name(const PlyElement& element, std::string_view name) {
          name == "texnumber" || name == "texid";
 }
 
+// Whether a property of a face or of tristrips is read.
+bool is_face_property(const PlyFile& ply, const SourceInfo& info, const PlyElement& element, int property) {
+  if (role_of(element) == PlyRole::kFace)
+    for (const int color : ply.face_color)
+      if (property == color) return true;
+  if (element.count > 0) return property == find_index_list(info, element, ply.is_lenient);
+  return element.properties[static_cast<std::size_t>(property)].name.starts_with("vertex_ind");
+}
+
 // Fills in what is not read: textures and skipped.
 void list_unused(const PlyFile& ply, SourceInfo& info) {
   for (const std::string& comment : ply.header.texture_comments) info.textures.push_back(comment);
+  if (ply.header.has_object_info) info.skipped.push_back("obj_info");
   for (const PlyElement& element : ply.header.elements) {
     const PlyRole role = role_of(element);
     if (role == PlyRole::kOther) {
@@ -55,9 +50,8 @@ void list_unused(const PlyFile& ply, SourceInfo& info) {
       const PlyProperty& property = element.properties[i];
       const bool is_used = role == PlyRole::kVertex
                                ? ply.vertex_layout.slot[i] != kUnused
-                               : element.count > 0 && static_cast<int>(i) == find_index_list(info, element);
-      const bool is_index_list = role != PlyRole::kVertex && property.name.starts_with("vertex_ind");
-      if (is_used || (element.count == 0 && is_index_list)) continue;
+                               : is_face_property(ply, info, element, static_cast<int>(i));
+      if (is_used) continue;
       (is_texture_name(element, property.name) ? info.textures : info.skipped)
           .push_back(element.name + "." + property.name);
     }
@@ -84,14 +78,16 @@ void check_declared_counts(const PlyFile& ply, const SourceInfo& info) {
 
 class PlySource final : public Source {
  public:
-  PlySource(core::File file, const SourceOptions& options) {
-    ply_.bytes = file.size();
-    ply_.file = std::move(file);
-    info_.path = ply_.file.path();
-    info_.bytes = ply_.bytes;
-    ply_.header = read_ply_header(ply_.file);
+  PlySource(core::File opened, const SourceOptions& options) : Source(std::move(opened), options) {
+    ply_.bytes = info_.bytes;
+    ply_.is_lenient = options.is_lenient;
+    ply_.header = read_ply_header(file(), options.is_lenient);
     static constexpr const char* kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
     info_.format = fmt::format("PLY {}", kFormats[static_cast<int>(ply_.header.format)]);
+    if (ply_.header.prose_lines > 0)
+      info_.passed.push_back(
+          fmt::format("{} header lines without a keyword, the first is line {}, which --lenient lets pass",
+                      ply_.header.prose_lines, ply_.header.first_prose_line));
     const PlyElement* vertex = ply_.header.find("vertex");
     if (vertex == nullptr)
       fail(Status::kBadData, "{}: header: expected an element vertex, found none", path());
@@ -99,14 +95,14 @@ class PlySource final : public Source {
     ply_.vertex_count = vertex->count;
     ply_.swap = ply_.header.format == PlyFormat::kBigEndian;
     info_.has_normals = ply_.vertex_layout.has_normals;
-    info_.has_colors = ply_.vertex_layout.has_colors;
     info_.vertex_count = vertex->count;
+    choose_colors();
     for (const PlyElement& element : ply_.header.elements)
       if (is_face(element)) info_.face_count += element.count;
     list_unused(ply_, info_);
     refuse_textures(info_, options);
-    check_declared_counts(ply_, info_);
     check_vertex_count(info_, vertex->count);
+    check_declared_counts(ply_, info_);
     if (ply_.header.format != PlyFormat::kAscii) plan_binary();
   }
 
@@ -129,31 +125,45 @@ class PlySource final : public Source {
   }
 
   bool read(const Part& part, BlockSink& sink) const override {
+    const PlyReading reading{ply_, file(), info_, options_, sink};
     switch (part.kind) {
       case PartKind::kVertices: {
         check_part(has_vertex_parts_, part, ply_.vertex_count);
         const PlyElement& element = *ply_.header.find("vertex");
+        Remarks remarks;
         sink.vertices(part.first,
-                      read_vertex_rows(ply_, info_, element, vertex_offset_, part.first, part.count));
+                      read_vertex_rows(reading, element, vertex_offset_, part.first, part.count, remarks));
+        sink.remarks(remarks);
         return true;
       }
       case PartKind::kFaces:
         check_part(has_face_parts_, part, info_.face_count);
-        return read_triangles(part, sink);
+        return read_triangles(reading, part);
       case PartKind::kAllFaces:
-        walk_ply_binary(ply_, info_, walk_element_, walk_offset_, false, sink);
+        walk_ply_binary(reading, walk_element_, walk_offset_, false);
         return true;
       default:
         if (ply_.header.format == PlyFormat::kAscii) {
-          read_ply_ascii(ply_, info_, sink);
+          read_ply_ascii(reading);
         } else {
-          walk_ply_binary(ply_, info_, 0, ply_.header.bytes, true, sink);
+          walk_ply_binary(reading, 0, ply_.header.bytes, true);
         }
         return true;
     }
   }
 
  private:
+  // Those of the vertices, else those of the faces.
+  void choose_colors() {
+    info_.has_colors = ply_.vertex_layout.has_colors;
+    info_.has_both_readings = ply_.vertex_layout.has_float_colors;
+    const PlyElement* face = ply_.header.find("face");
+    if (info_.has_colors || face == nullptr || face->count == 0) return;
+    ply_.face_color = find_color(*face);
+    info_.has_face_colors = info_.has_colors = ply_.face_color[0] != kUnused;
+    info_.has_both_readings = has_floats(*face, ply_.face_color);
+  }
+
   static bool is_face(const PlyElement& element) {
     const PlyRole role = role_of(element);
     return role == PlyRole::kFace || role == PlyRole::kStrips;
@@ -188,14 +198,22 @@ class PlySource final : public Source {
     }
     walk_element_ = i;
     walk_offset_ = offset;
-    if (i == elements.size()) return check_file_end(ply_, info_, offset);
+    if (i == elements.size()) return check_end(offset);
     if (role_of(elements[i]) == PlyRole::kFace) plan_triangles(elements[i]);
+  }
+
+  // What is behind the data of rows whose size is known.
+  void check_end(std::uint64_t offset) {
+    Remarks remarks;
+    check_tail(info_, options_, file(), offset, remarks);
+    for (std::string& warning : warnings_of({}, remarks)) info_.passed.push_back(warning.substr(2));
   }
 
   // Whether the first list of the file is that of the faces, and three items in every face make the file's
   // size.
   void plan_triangles(const PlyElement& face) {
-    triangle_rows_ = make_triangle_rows(face, find_index_list(info_, face), ply_.swap);
+    triangle_rows_ =
+        make_triangle_rows(face, find_index_list(info_, face, ply_.is_lenient), ply_.face_color, ply_.swap);
     if (!triangle_rows_ || face.count > (ply_.bytes - walk_offset_) / triangle_rows_->stride) return;
     std::uint64_t offset = walk_offset_ + face.count * triangle_rows_->stride;
     std::uint64_t vertex_offset = 0;
@@ -209,7 +227,8 @@ class PlySource final : public Source {
     }
     // Vertices behind the faces are where we think even if the faces are not all triangles, but only if the
     // size is exact.
-    if (vertex_offset > 0 ? offset != ply_.bytes : !is_padding(ply_, offset)) return;
+    if (vertex_offset > 0 ? offset != ply_.bytes : !tail_of(file(), offset).is_padding) return;
+    check_end(offset);
     if (vertex_offset > 0) set_vertex_offset(vertex_offset);
     has_face_parts_ = true;
   }
@@ -219,26 +238,28 @@ class PlySource final : public Source {
     has_vertex_parts_ = true;
   }
 
-  std::vector<std::byte> read_rows(std::uint64_t first, std::size_t count) const {
+  std::vector<std::byte> read_rows(const PlyReading& reading, std::uint64_t first, std::size_t count) const {
     std::vector<std::byte> rows(count * triangle_rows_->stride);
-    ply_.file.read_at(walk_offset_ + first * triangle_rows_->stride, rows);
+    reading.file.read_at(walk_offset_ + first * triangle_rows_->stride, rows);
     return rows;
   }
 
-  bool read_triangles(const Part& part, BlockSink& sink) const {
-    const std::vector<std::byte> rows = read_rows(part.first, part.count);
+  bool read_triangles(const PlyReading& reading, const Part& part) const {
+    const std::vector<std::byte> rows = read_rows(reading, part.first, part.count);
     if (!are_all_triangles(*triangle_rows_, rows, part.count)) return false;
+    Remarks remarks;
     ConvertedTriangles converted =
-        convert_triangle_rows(*triangle_rows_, rows, part.count, ply_.vertex_count);
+        convert_triangle_rows(*triangle_rows_, rows, part.first, part.count, ply_.vertex_count, remarks);
     if (converted.first_bad < part.count) {
       // If a face before this part is no triangle, these rows are not where we think, and this index is none.
       for (std::uint64_t first = 0; first < part.first; first += kBlockElements) {
         const std::size_t count = std::min<std::uint64_t>(kBlockElements, part.first - first);
-        if (!are_all_triangles(*triangle_rows_, read_rows(first, count), count)) return false;
+        if (!are_all_triangles(*triangle_rows_, read_rows(reading, first, count), count)) return false;
       }
       fail_index(info_, "face", part.first + converted.first_bad, converted.bad_index, ply_.vertex_count);
     }
-    sink.triangles(std::move(converted.block));
+    reading.sink.triangles(std::move(converted.block));
+    reading.sink.remarks(remarks);
     return true;
   }
 
@@ -264,13 +285,6 @@ void check_list_count(const SourceInfo& info, const PlyElement& element, std::ui
   if (count < 0)
     fail(Status::kBadData, "{}: {} {}: list {} has count {}; expected at least 0", info.path.string(),
          element.name, row, list.name, count);
-}
-
-void check_file_end(const PlyFile& ply, const SourceInfo& info, std::uint64_t offset) {
-  if (!is_padding(ply, offset))
-    fail(Status::kBadData,
-         "{}: the header lies: expected the last element to end the file, at byte {}, found {} more bytes",
-         info.path.string(), offset, ply.bytes - offset);
 }
 
 std::unique_ptr<Source> open_ply(core::File file, const SourceOptions& options) {

@@ -8,30 +8,12 @@
 #include "core/error.hpp"
 #include "core/file.hpp"
 #include "input/formats.hpp"
-#include "input/text_reader.hpp"
 
 namespace colossus::input {
 namespace {
 
 using core::fail;
 using core::Status;
-
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
-
-// Whether the first word that is no comment is an OBJ statement or an OFF keyword.
-bool starts_with_obj(std::string_view word) {
-  for (std::string_view known : {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl"})
-    if (word == known) return true;
-  return false;
-}
-bool starts_with_off(std::string_view word) {
-  return word.substr(0, word.find_first_of("0123456789", 1)).ends_with("OFF");
-}
 
 std::string_view trim(std::string_view text) {
   const auto is_white = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
@@ -69,28 +51,40 @@ void refuse_textures(const SourceInfo& info, const SourceOptions& options) {
        info.path.string(), fmt::join(info.textures, ", "));
 }
 
+Source::Source(core::File file, const SourceOptions& options) : options_(options), file_(std::move(file)) {
+  info_.path = file_.path();
+  info_.bytes = file_.size();
+}
+
+void Source::close() {
+  const std::lock_guard lock(mutex_);
+  file_.close();
+}
+
+const core::File& Source::file() const {
+  const std::lock_guard lock(mutex_);
+  if (file_.is_open()) return file_;
+  file_ = core::File::open_for_reading(info_.path);
+  if (file_.size() != info_.bytes)
+    fail(Status::kBadData, "{}: was changed while it was read: expected {} bytes, found {}",
+         info_.path.string(), info_.bytes, file_.size());
+  return file_;
+}
+
 std::unique_ptr<Source> open_source(const std::filesystem::path& path, const SourceOptions& options) {
   core::File file = core::File::open_for_reading(path);
-  std::array<std::byte, 5> bytes{};
-  const std::size_t size = file.read_some_at(0, bytes);
-  const std::string_view start(reinterpret_cast<const char*>(bytes.data()), size);
-  if (start.empty())
-    fail(Status::kBadData, "{}: is empty; expected a PLY, OBJ, STL or OFF file", path.string());
-  if (start.starts_with("\x1f\x8b"))
-    fail(Status::kBadData, "{}: is compressed by gzip; expected a PLY, OBJ, STL or OFF file: unpack it",
-         path.string());
-  const std::string extension = lower_extension(path);
-  const bool is_ply = start.starts_with("ply") && start.size() > 3 && trim(start.substr(3, 1)).empty();
-  if (is_ply || extension == ".ply") return open_ply(std::move(file), options);
-  if (extension == ".obj") return open_obj(std::move(file), options);
-  if (extension == ".stl" || is_binary_stl(file)) return open_stl(std::move(file));
-  if (extension == ".off" || extension == ".coff" || extension == ".noff" || extension == ".cnoff")
-    return open_off(std::move(file), options);
-  if (start == "solid") return open_stl(std::move(file));
-  const std::string word(TextReader(file, 0, {.comments = true, .continuations = false}).word_of_any_line());
-  if (starts_with_off(word)) return open_off(std::move(file), options);
-  if (starts_with_obj(word)) return open_obj(std::move(file), options);
-  fail(Status::kBadData, "{}: unknown format; expected a PLY, OBJ, STL or OFF file", path.string());
+  switch (detect_format(file)) {
+    case FileFormat::kPly:
+      return open_ply(std::move(file), options);
+    case FileFormat::kObj:
+      return open_obj(std::move(file), options);
+    case FileFormat::kOff:
+      return open_off(std::move(file), options);
+    case FileFormat::kBinaryStl:
+      return open_binary_stl(std::move(file), options);
+    default:
+      return open_ascii_stl(std::move(file), options);
+  }
 }
 
 std::vector<std::filesystem::path> expand_inputs(std::span<const std::string> arguments) {

@@ -8,21 +8,27 @@
 //
 // Conventions of all formats
 // - Vertices and faces count from 0 in blocks and in messages (text formats also name the line, from 1).
-// - Positions are doubles: text is rounded to the nearest double even where a header says float.
-// - A polygon becomes the fan from its first corner, (0,1,2), (0,2,3), ...; a face with fewer than three
-// corners is
-//   skipped and counted in OddFaces. Degenerate and duplicate triangles are delivered.
-// - Colours are RGBA bytes: floats are scaled by 255, rounded and clamped; 16-bit unsigned colours are scaled
-// by 1/257;
-//   other integers are clamped; a missing alpha is 255; a colour that is not a number is bad data.
+// - Positions are doubles: text is rounded to the nearest double even where a header says float. A position
+//   that is not finite is delivered as it is, and remarked: only who knows which vertices triangles use can
+//   tell whether it is bad data. In formats without indices (STL) all are used, and it is.
+// - A polygon becomes the fan from its first corner, (0,1,2), (0,2,3), ...; a block says which of its
+// triangles
+//   are such fans, since only positions tell how a polygon is to be cut (geometry/polygon.hpp). A face with
+//   fewer than three corners is skipped and remarked. Degenerate and duplicate triangles are delivered.
+// - Colours are RGBA bytes, of vertices or, in files whose vertices have none, of faces. 16-bit unsigned
+// colours
+//   are scaled by 1/257; other integers are clamped; a missing alpha is 255. Where colours are floats, or
+//   text without a type, their scale is found from all values of a file: blocks hold both readings, and
+//   scale_of() (colors.hpp) chooses once all parts are read. A colour that is not a number counts as missing.
 // - A normal that is not finite is delivered as (0, 0, 0), which means "not known": scanners write such
-// normals at
-//   isolated vertices, and they can be computed. Normals are delivered as stored, not scaled to unit length.
-// - Bad data (an index out of range, a coordinate that is not finite, a truncated file, counts that lie, more
-// than 64
-//   bytes of white space or anything else behind the last element of a binary file or the last row of an
-//   ASCII one, more than 2^32 - 1 vertices) throws core::Error(kBadData) with the file, the element and its
-//   number, what was expected and what was found. Blocks delivered before are then void.
+//   normals at isolated vertices, and they can be computed. Normals are delivered as stored, not scaled to
+//   unit length.
+// - Zeros or white space behind the data are remarked. Bad data (an index out of range, a truncated file,
+//   counts that lie, anything else behind the data, more than 2^32 - 1 vertices) throws core::Error(kBadData)
+//   with the file, the element and its number, what was expected and what was found. Blocks delivered before
+//   are then void.
+// - SourceOptions::is_lenient lets a few things pass that would be bad data, and remarks them: floats for
+//   indices and counts of corners, surplus numbers in a row, prose in a header, other bytes behind the data.
 #pragma once
 
 #include <array>
@@ -30,9 +36,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "core/file.hpp"
+#include "input/colors.hpp"
+#include "input/remarks.hpp"
 
 namespace colossus::input {
 
@@ -41,18 +52,23 @@ inline constexpr std::size_t kBlockElements = std::size_t{1} << 17;
 
 struct VertexBlock {
   std::vector<std::array<double, 3>> positions;
-  std::vector<std::array<float, 3>> normals;        // empty, or one per position
-  std::vector<std::array<std::uint8_t, 4>> colors;  // RGBA; empty, or one per position
+  std::vector<std::array<float, 3>> normals;  // empty, or one per position
+  std::vector<Color> colors;                  // empty, or one per position
+  std::vector<Color> byte_colors;             // the other reading, see ReadColor; empty, or one per colour
+};
+
+// Consecutive triangles of a block that are the fan of one face with more than three corners.
+struct Polygon {
+  std::uint32_t first = 0;    // triangle of the block
+  std::uint32_t corners = 0;  // two more than triangles
+  friend bool operator==(const Polygon&, const Polygon&) = default;
 };
 
 struct TriangleBlock {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // vertex indices from 0 within the file
-};
-
-// Faces that were not triangles.
-struct OddFaces {
-  std::uint64_t polygons = 0;  // more than three corners: delivered as fans
-  std::uint64_t small = 0;     // fewer than three corners (also of a strip's pieces): skipped
+  std::vector<Polygon> polygons;                        // ascending; never cut by the end of a block
+  std::vector<Color> colors;                            // of the faces; empty, or one per triangle
+  std::vector<Color> byte_colors;                       // as of vertices
 };
 
 // Receives what a part holds. In a part with both, vertices and triangles may alternate, and triangles may
@@ -64,8 +80,8 @@ class BlockSink {
   virtual void vertices(std::uint64_t first, VertexBlock&& block) = 0;
   // The next triangles of the part.
   virtual void triangles(TriangleBlock&& block) = 0;
-  // Once at the end of a part that had any.
-  virtual void odd_faces(const OddFaces& /*odd*/) {}
+  // Once, at the end of a part.
+  virtual void remarks(const Remarks& /*remarks*/) {}
 };
 
 enum class PartKind : std::uint32_t {
@@ -88,10 +104,14 @@ struct SourceInfo {
   std::filesystem::path path;
   std::string format;  // for people, e.g. "PLY binary_little_endian"
   bool has_normals = false;
+  // Whether blocks have colours. Of a binary STL only reading tells: then a block has some, or has not.
   bool has_colors = false;
-  std::vector<std::string>
-      skipped;  // what is in the file and not read, by name, e.g. "vertex.quality", "element edge"
+  bool has_face_colors = false;    // of faces, where the vertices have none
+  bool has_both_readings = false;  // of colours: their scale depends on all values
+  // What is in the file and not read, by name, e.g. "vertex.quality", "element edge".
+  std::vector<std::string> skipped;
   std::vector<std::string> textures;  // texture coordinates and material files that --drop-textures drops
+  std::vector<std::string> passed;    // what opening has let pass that needs a warning, as half a sentence
   std::uint64_t vertex_count = 0;     // as declared or counted; 0 where only reading tells (ASCII STL)
   std::uint64_t face_count = 0;       // likewise; faces (strips) of the file, not triangles
   std::uint64_t bytes = 0;
@@ -99,9 +119,10 @@ struct SourceInfo {
 
 struct SourceOptions {
   bool drop_textures = false;  // without it, texture coordinates and material files are an error
+  bool is_lenient = false;     // see above
 };
 
-// One open input. read() is const and may be called from several threads. Not collective.
+// One input. read() is const and may be called from several threads. Not collective.
 class Source {
  public:
   virtual ~Source();
@@ -115,23 +136,36 @@ class Source {
 
   // Delivers a part: in blocks of at most kBlockElements, all vertex blocks of the part in ascending order.
   // Memory: a few megabytes. Returns false only for a kFaces part in which, or before which, a face is not a
-  // triangle; nothing of the part has been delivered then. The caller must drop all triangles of this file
-  // and read sequential_face_parts().
+  // triangle; nothing of the part has been delivered then. The caller must drop all triangles of this file,
+  // and what its kFaces parts have remarked, and read sequential_face_parts().
   virtual bool read(const Part& part, BlockSink& sink) const = 0;
 
   // What replaces all kFaces parts after read() returned false; empty for sources without kFaces parts.
   virtual std::vector<Part> sequential_face_parts() const { return {}; }
 
+  // Closes the file until the next read(), so that there can be more inputs than a process may have open. Not
+  // while another thread reads.
+  void close();
+
  protected:
-  Source() = default;
+  // `file` is open.
+  Source(core::File file, const SourceOptions& options);
+  // The file, opened again if it was closed. Throws Error(kBadData) when it has another size by now.
+  const core::File& file() const;
+
   SourceInfo info_;
+  SourceOptions options_;
+
+ private:
+  mutable std::mutex mutex_;
+  mutable core::File file_;
 };
 
 // Opens a PLY, OBJ, STL or OFF file; the content decides, then the extension. Reads the header only, except
-// for OBJ (one pass over the file, and 16 bytes of memory per vertex if it has usable normals) and OFF with
-// colours (one pass over the vertices). Throws core::Error(kBadData) for a missing or unknown file, a
-// malformed header, a size that contradicts it, a file without vertices, or textures without
-// options.drop_textures.
+// for OBJ (one pass over the file, and 16 bytes of memory per vertex if it has usable normals) and OFF whose
+// first vertex has more numbers than the header says (one pass over the vertices). Throws
+// core::Error(kBadData) for a missing or unknown file, a malformed header, a size that contradicts it, a file
+// without vertices, or textures without options.drop_textures.
 std::unique_ptr<Source> open_source(const std::filesystem::path& path, const SourceOptions& options = {});
 
 // The input files of a command line, in order. `@list.txt` stands for the paths in list.txt: one per line,

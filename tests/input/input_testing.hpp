@@ -15,6 +15,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
@@ -50,9 +51,11 @@ class TemporaryFolder {
 struct Collected : BlockSink {
   std::vector<std::array<double, 3>> positions;
   std::vector<std::array<float, 3>> normals;
-  std::vector<std::array<std::uint8_t, 4>> colors;
+  std::vector<Color> colors;       // as their scale has them
+  std::vector<Color> face_colors;  // likewise
   std::vector<std::array<std::uint32_t, 3>> faces;
-  OddFaces odd;
+  std::vector<std::array<std::uint64_t, 2>> polygons;  // first of `faces`, and corners
+  Remarks noted;
   std::uint64_t delivered = 0;
 
   void vertices(std::uint64_t first, VertexBlock&& block) override {
@@ -62,14 +65,27 @@ struct Collected : BlockSink {
     put(first, block.positions, positions);
     put(first, block.normals, normals);
     put(first, block.colors, colors);
+    put(first, block.byte_colors, byte_colors);
   }
   void triangles(TriangleBlock&& block) override {
     EXPECT_LE(block.triangles.size(), kBlockElements);
+    EXPECT_TRUE(block.colors.empty() || block.colors.size() == block.triangles.size());
+    for (const Polygon& polygon : block.polygons) {
+      EXPECT_GT(polygon.corners, 3U);
+      EXPECT_LE(polygon.first + polygon.corners - 2, block.triangles.size());
+      polygons.push_back({faces.size() + polygon.first, polygon.corners});
+    }
+    put(faces.size(), block.colors, face_colors);
+    put(faces.size(), block.byte_colors, byte_face_colors);
     faces.insert(faces.end(), block.triangles.begin(), block.triangles.end());
   }
-  void odd_faces(const OddFaces& counts) override {
-    odd.polygons += counts.polygons;
-    odd.small += counts.small;
+  void remarks(const Remarks& remarks) override { noted.merge(remarks); }
+
+  void choose_readings(const SourceInfo& info) {
+    const ColorScale scale = scale_of(info, noted);
+    for (std::size_t i = 0; i < byte_colors.size(); ++i) colors[i] = scale.pick(colors[i], byte_colors[i]);
+    for (std::size_t i = 0; i < byte_face_colors.size(); ++i)
+      face_colors[i] = scale.pick(face_colors[i], byte_face_colors[i]);
   }
 
  private:
@@ -79,25 +95,37 @@ struct Collected : BlockSink {
     to.resize(std::max<std::size_t>(to.size(), first + from.size()));
     std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(first));
   }
+
+  std::vector<Color> byte_colors;
+  std::vector<Color> byte_face_colors;
 };
 
 // Reads a source as a caller must: all parts, and all faces again when one says that they are not triangles.
 inline Collected collect(const Source& source) {
   Collected result;
+  Remarks faces;
   bool repeat = false;
-  for (const Part& part : source.parts()) repeat |= !source.read(part, result);
+  for (const Part& part : source.parts()) {
+    Remarks before = std::exchange(result.noted, {});
+    repeat |= !source.read(part, result);
+    (part.kind == PartKind::kFaces ? faces : before).merge(result.noted);
+    result.noted = before;
+  }
   if (repeat) {
     result.faces.clear();
-    result.odd = {};
+    result.face_colors.clear();
     for (const Part& part : source.sequential_face_parts()) EXPECT_TRUE(source.read(part, result));
+  } else {
+    result.noted.merge(faces);
   }
   EXPECT_EQ(result.delivered, result.positions.size()) << "a vertex came twice or never";
   if (source.info().has_normals) {
     EXPECT_EQ(result.normals.size(), result.positions.size());
   }
-  if (source.info().has_colors) {
+  if (source.info().has_colors && !source.info().has_face_colors) {
     EXPECT_EQ(result.colors.size(), result.positions.size());
   }
+  result.choose_readings(source.info());
   return result;
 }
 

@@ -31,7 +31,7 @@ class RandomPly {
   std::vector<std::array<float, 3>> normals;
   std::vector<std::array<std::uint8_t, 4>> colors;
   Triangles triangles;
-  OddFaces odd;
+  Remarks odd;
   std::vector<std::string> skipped;
 
  private:
@@ -200,9 +200,10 @@ void expect_reads_back(const TemporaryFolder& folder, const RandomPly& ply) {
   EXPECT_EQ(read.normals, ply.normals);
   EXPECT_EQ(read.colors, ply.colors);
   EXPECT_EQ(read.faces, ply.triangles);
-  EXPECT_EQ(read.odd.polygons, ply.odd.polygons);
-  EXPECT_EQ(read.odd.small, ply.odd.small);
+  EXPECT_EQ(read.noted.polygons, ply.odd.polygons);
+  EXPECT_EQ(read.noted.small, ply.odd.small);
   std::vector<std::string> expected = ply.skipped;
+  expected.push_back("obj_info");
   std::vector<std::string> skipped = source->info().skipped;
   std::sort(expected.begin(), expected.end());
   std::sort(skipped.begin(), skipped.end());
@@ -301,8 +302,8 @@ TEST(Ply, FacesThatOnlyAddUpToTrianglesAreReadSequentially) {
   EXPECT_EQ(read.faces[0], (std::array<std::uint32_t, 3>{3, 3, 3}));
   EXPECT_EQ(read.faces[kFaces - 2], (std::array<std::uint32_t, 3>{0, 1, 2}));
   EXPECT_EQ(read.faces[kFaces - 1], (std::array<std::uint32_t, 3>{0, 2, 3}));
-  EXPECT_EQ(read.odd.polygons, 1U);
-  EXPECT_EQ(read.odd.small, 1U);
+  EXPECT_EQ(read.noted.polygons, 1U);
+  EXPECT_EQ(read.noted.small, 1U);
 }
 
 // As above, but the shifted rows look like triangles: only the faces before them tell.
@@ -359,7 +360,7 @@ TEST(Ply, TriangleStripsAlternateAndRestart) {
             body.bytes());
     const Collected read = collect(path);
     EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {2, 1, 5}}));
-    EXPECT_EQ(read.odd.small, 1U) << "the strip of two corners";
+    EXPECT_EQ(read.noted.small, 1U) << "the strip of two corners";
   }
 }
 
@@ -380,7 +381,7 @@ TEST(Ply, PolygonsLongerThanTheBufferAreFans) {
             body.bytes()));
     ASSERT_EQ(read.faces.size(), kCorners - 2);
     EXPECT_EQ(read.faces[7], (std::array<std::uint32_t, 3>{0, 8 % 5, 9 % 5}));
-    EXPECT_EQ(read.odd.polygons, 1U);
+    EXPECT_EQ(read.noted.polygons, 1U);
   }
 }
 
@@ -394,7 +395,7 @@ TEST(Ply, FloatColoursAreScaledRoundedAndClamped) {
       "c.ply",
       one_triangle("element vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float "
                    "red\nproperty float green\nproperty float blue\n",
-                   "0 0 0 0.5 1.5 -1\n0 0 0 0.001 1 0.25\n")));
+                   "0 0 0 0.5 1.02 -1\n0 0 0 0.001 1 0.25\n")));
   EXPECT_EQ(read.colors[0], (std::array<std::uint8_t, 4>{128, 255, 0, 255}));
   EXPECT_EQ(read.colors[1], (std::array<std::uint8_t, 4>{0, 255, 64, 255}));
 }

@@ -26,7 +26,7 @@ TEST(Source, FilesThatAreNoMeshAreBadData) {
   expect_bad(folder.write("empty.ply", ""), {"is empty"});
   expect_bad(folder.write("a.ply.gz", "\x1f\x8b\x08"), {"gzip"});
   expect_bad(folder.write("a.txt", "hello\n"), {"unknown format", "PLY, OBJ, STL or OFF"});
-  expect_bad(folder.write("a.ply", "v 0 0 0\n"), {"header line 1", "expected 'ply'", "'v 0 0 0'"});
+  expect_bad(folder.write("a.ply", "x 0 0 0\n"), {"header line 1", "expected 'ply'", "'x 0 0 0'"});
 }
 
 TEST(Source, DescribesTheFile) {

@@ -424,12 +424,11 @@ TEST_F(SynthBase, ThreeSheetsStayOnTheirEdge) {
 
 TEST_F(SynthBase, BaseColorsAreInterpolated) {
   const Ply ply = parse(bytes(options(4 * 20 * 20), tetrahedron()));
-  const std::vector<Color> expected = {
-      {255, 0, 0}, {0, 0, 255}, {0, 255, 0}, {128, 128, 128}};  // by first use
+  const std::vector<Rgb> expected = {{255, 0, 0}, {0, 0, 255}, {0, 255, 0}, {128, 128, 128}};  // by first use
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(ply.colors[i][c], expected[i][c], 20);
   // Half-way along the first edge, from vertex 0 to 1 of the file.
-  const Color middle = ply.colors[4 + 9];
+  const Rgb middle = ply.colors[4 + 9];
   EXPECT_NEAR(middle[0], 128, 20);
   EXPECT_NEAR(middle[1], 0, 20);
   EXPECT_NEAR(middle[2], 128, 20);

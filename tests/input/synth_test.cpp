@@ -164,7 +164,7 @@ TEST_F(Synth, HeaderListsWhatWasAskedFor) {
 TEST_F(Synth, ColorsVary) {
   const Ply ply = parse(bytes(options(50'000)));
   std::vector<std::size_t> histogram(256);
-  for (const Color& c : ply.colors) ++histogram[c[0]];
+  for (const Rgb& c : ply.colors) ++histogram[c[0]];
   EXPECT_GT(std::ranges::count_if(histogram, [](std::size_t n) { return n > 20; }), 60);
   EXPECT_LT(histogram[0] + histogram[255], ply.colors.size() / 50);
 }
@@ -196,7 +196,7 @@ TEST_F(Synth, ShuffleOnlyReorders) {
   made.shuffle = true;
   const Ply shuffled = parse(bytes(made));
   EXPECT_EQ(corners_of(shuffled), corners_of(plain));
-  std::multiset<std::pair<Point, Color>> before, after;
+  std::multiset<std::pair<Point, Rgb>> before, after;
   for (std::size_t i = 0; i < plain.positions.size(); ++i) {
     before.insert({plain.positions[i], plain.colors[i]});
     after.insert({shuffled.positions[i], shuffled.colors[i]});

@@ -16,12 +16,12 @@ namespace colossus::input {
 
 using Point = std::array<double, 3>;
 using Triangle = std::array<std::uint32_t, 3>;
-using Color = std::array<std::uint8_t, 3>;
+using Rgb = std::array<std::uint8_t, 3>;
 
 struct Ply {
   std::vector<std::string> header;
   std::vector<Point> positions, normals;
-  std::vector<Color> colors;
+  std::vector<Rgb> colors;
   std::vector<Triangle> triangles;
 };
 
@@ -48,7 +48,7 @@ inline Ply parse(const core::Bytes& bytes) {
     if (normals)
       for (double& c : normal) c = static_cast<double>(reader.get<float>());
     if (normals) ply.normals.push_back(normal);
-    if (colors) ply.colors.push_back(reader.get<Color>());
+    if (colors) ply.colors.push_back(reader.get<Rgb>());
   }
   for (std::uint64_t i = 0; i < face_count; ++i) {
     EXPECT_EQ(reader.get<std::uint8_t>(), 3);

@@ -20,13 +20,15 @@ TEST(Obj, ReadsEveryFormOfFaces) {
   const auto source = open_source(folder.write(
       "a.obj", std::string("# comment\r\n\r\no thing\ng a b\ns off\n") + kObjVertices +
                    "f 1 2 3 # corner\nf -4 -3 -2 -1\r\nf 1// 2/7 3/7/ \\\n 4\nl 1 2\np 1\nf 1 2\nf\t+4 3 2"));
-  EXPECT_EQ(source->info().skipped, (std::vector<std::string>{"l", "p"}));
+  EXPECT_EQ(source->info().skipped,
+            (std::vector<std::string>{"g (groups)", "l (lines)", "o (names of objects)", "p (points)",
+                                      "s (smoothing groups)"}));
   EXPECT_EQ(source->info().vertex_count, 4U);
   EXPECT_EQ(source->info().face_count, 5U);
   const Collected read = collect(*source);
   EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {0, 2, 3}, {3, 2, 1}}));
-  EXPECT_EQ(read.odd.polygons, 2U);
-  EXPECT_EQ(read.odd.small, 1U);
+  EXPECT_EQ(read.noted.polygons, 2U);
+  EXPECT_EQ(read.noted.small, 1U);
 }
 
 TEST(Obj, NegativeIndicesCountFromTheVerticesBeforeTheFace) {
@@ -36,8 +38,8 @@ TEST(Obj, NegativeIndicesCountFromTheVerticesBeforeTheFace) {
       std::string(kObjVertices) + "f 1 2 3\nf -4 -3 -2 -1\nf 1/7 2/7 \\\r\n 3/7\nf 1 2\nv 9 9 9\nf -1 -2 2"));
   EXPECT_EQ(read.positions, (Positions{{500000.001, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.001}, {9, 9, 9}}));
   EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {4, 3, 1}}));
-  EXPECT_EQ(read.odd.polygons, 1U);
-  EXPECT_EQ(read.odd.small, 1U);
+  EXPECT_EQ(read.noted.polygons, 1U);
+  EXPECT_EQ(read.noted.small, 1U);
 }
 
 TEST(Obj, LinesMayContinueWhereTheBufferEnds) {
@@ -55,9 +57,9 @@ TEST(Obj, ReadsColoursOfBothScales) {
   const Collected bytes = collect(folder.write("c.obj", "v 0 0 0 1 128 0\nv 0 0 0 0 0 255\n"));
   EXPECT_EQ(bytes.colors, (Colors{{1, 128, 0, 255}, {0, 0, 255, 255}}));
   const auto some = open_source(folder.write("c.obj", "v 0 0 0 1 128 0\nv 0 0 0 1.0\n"));
-  EXPECT_FALSE(some->info().has_colors);
-  EXPECT_EQ(some->info().skipped.size(), 1U);
-  EXPECT_TRUE(collect(*some).colors.empty());
+  const Collected read = collect(*some);
+  EXPECT_EQ(read.colors, (Colors{{1, 128, 0, 255}, kNoColor}));
+  EXPECT_EQ(read.noted.missing_colors, (Tally{1, 1}));
 }
 
 TEST(Obj, KeepsNormalsThatBelongToVertices) {
@@ -98,8 +100,6 @@ TEST(Obj, BadDataNamesElementAndLine) {
   bad("v 1 2 3 4 5\n", {"vertex 4 (line 5)", "found 5 numbers"});
   bad("v 1 2 3 4 5 6 7 8\n", {"vertex 4 (line 5)", "at most 7"});
   bad("v 1 two 3\n", {"vertex 4 (line 5)", "number", "'two'"});
-  bad("v 1 nan 3\n", {"vertex 4", "coordinate y is nan"});
-  bad("v 1 2 inf\n", {"vertex 4", "coordinate z is inf"});
   expect_bad(folder.write("e.obj", "# nothing\n"), {"no vertices"});
 }
 
@@ -135,7 +135,7 @@ TEST(Stl, BadTextNamesTriangleAndLine) {
   expect_bad(folder.write("b.stl", start + stl_facet("0 0 0", "1 x 0", "0 1 0") + "endsolid\n"),
              {"triangle 1 (line 12)", "a number", "found x"});
   expect_bad(folder.write("b.stl", start + stl_facet("0 0 0", "1 0 0", "0 nan 0") + "endsolid\n"),
-             {"vertex 5", "coordinate y is nan"});
+             {"triangle 1", "coordinate y of corner 2 is nan"});
   expect_bad(folder.write("b.stl", start + "face\n"),
              {"triangle 1 (line 9)", "expected facet", "found face"});
   expect_bad(folder.write("b.stl", "solid\nendsolid\n"), {"no vertices"});
@@ -187,7 +187,11 @@ TEST(Stl, BadBinaryFilesAreErrors) {
     ASSERT_FALSE(bad_data_message(folder.write("cut.stl", file.substr(0, size))).empty()) << size;
   expect_bad(folder.write("cut.stl", file.substr(0, 190)),
              {"truncated in triangle 2", "expected 234 bytes, found 190"});
-  expect_bad(folder.write("long.stl", file + "x"), {"header lies", "expected 234 bytes, found 235"});
+  expect_bad(folder.write("long.stl", file + std::string(50, 'x')),
+             {"header of this binary STL lies", "expected 234 bytes, found 284", "the size of 4 triangles"});
+  std::string unfilled = file;
+  unfilled.replace(80, 4, 4, '\0');
+  expect_bad(folder.write("unfilled.stl", unfilled), {"it says 0 triangles", "the size of 3 triangles"});
   triangles[2][1][0] = std::numeric_limits<float>::infinity();
   expect_bad(folder.write("inf.stl", binary_stl(triangles)),
              {"triangle 2", "coordinate x of corner 1 is inf"});
@@ -204,8 +208,8 @@ TEST(Off, ReadsEveryHeader) {
     const Collected read = collect(folder.write("a.off", header + body));
     EXPECT_EQ(read.positions, (Positions{{0, 0, 0}, {500000.001, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
     EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}}));
-    EXPECT_EQ(read.odd.polygons, 1U);
-    EXPECT_EQ(read.odd.small, 1U);
+    EXPECT_EQ(read.noted.polygons, 1U);
+    EXPECT_EQ(read.noted.small, 1U);
   }
 }
 
@@ -239,13 +243,13 @@ TEST(Off, BadDataNamesElementAndLine) {
   };
   bad("OFF\n2 1 0\n0 0 0\n1 1 1\n3 0 1 2\n", {"face 0", "index 2", "expected 0 to 1"});
   bad("OFF\n2 1 0\n0 0 0\n1 1 1\n3 0 1 -1\n", {"face 0", "index -1"});
-  bad("OFF\n2 1 0\n0 0 0\n1 1 1\n3 0 1\n", {"face 0 (line 5)", "the end of the line"});
+  bad("OFF\n2 1 0\n0 0 0\n1 1 1\n3 0 1\n", {"truncated in face 0", "the end of the file"});
+  bad("OFF\n2 2 0\n0 0 0\n1 1 1\n3 0 1\n1 0 1 1\n", {"face 0 (line 6)", "3 corners on line 5"});
   bad("OFF\n2 1 0\n0 0 0\n1 1\n3 0 1 1\n", {"vertex 1 (line 4)", "the end of the line"});
-  bad("OFF\n2 1 0\n0 0 0\n1 1 nan\n3 0 1 1\n", {"vertex 1", "coordinate z is nan"});
   bad("OFF\n2 1 0\n0 0 0\n1 1 1\n-3 0 1 1\n", {"face 0", "-3 corners"});
   bad("OFF\n2 1 0\n0 0 0\n1 1 1\n3 0 1 1\n3 0 1 1\n", {"line 6", "end of the file"});
-  bad("OFF\n2 9 0\n0 0 0\n1 1 1\n3 0 1 1\n", {"9 face rows, found 1"});
-  bad("OFF\n9223372036854775807 1 0\n0 0 0\n", {"header lies", "9223372036854775807"});
+  bad("OFF\n2 9 0\n0 0 0\n1 1 1\n3 0 1 1\n", {"truncated in face 1"});
+  bad("OFF\n9223372036854775807 1 0\n0 0 0\n", {"9223372036854775807 vertices", "at most 4294967295"});
   bad("OFF\n-1 1 0\n0 0 0\n", {"header (line 2)", "'-1'"});
   bad("4OFF\n1 0 0\n0 0 0 0\n", {"header", "'4OFF'"});
   bad("OFF BINARY\n1 0 0\n", {"OFF BINARY"});
