@@ -23,8 +23,10 @@ OK, USAGE, BAD_DATA, CANNOT_CREATE = 0, 2, 65, 73
 PROGRAM = os.environ["COLOSSUS_PROGRAM"]
 
 
-def limit_files():
+def limit_files(open_files=None):
     resource.setrlimit(resource.RLIMIT_FSIZE, (MOST_FILE_BYTES, MOST_FILE_BYTES))
+    if open_files:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (open_files, open_files))
 
 
 class ColossusTest(unittest.TestCase):
@@ -37,11 +39,12 @@ class ColossusTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def run_program(self, *arguments, ranks=0, status=OK, program=PROGRAM):
-        """Runs `colossus ARGUMENTS...`, under mpirun if ranks > 0, and expects the exit status."""
+    def run_program(self, *arguments, ranks=0, status=OK, program=PROGRAM, open_files=None):
+        """Runs `colossus ARGUMENTS...`, under mpirun if ranks > 0, and expects the exit status. `open_files`: ulimit -n."""
         launcher = os.environ["COLOSSUS_MPIEXEC"].split(";") + [str(ranks)] if ranks else []
-        run = subprocess.run([*launcher, program, *map(str, arguments)], capture_output=True, text=True, check=False,
-                             timeout=MOST_SECONDS, preexec_fn=limit_files)
+        run = subprocess.run([*launcher, program, *map(str, arguments)], capture_output=True, text=True, errors="replace",
+                             check=False,
+                             timeout=MOST_SECONDS, preexec_fn=lambda: limit_files(open_files))
         self.assertEqual(run.returncode, status, f"colossus {' '.join(map(str, arguments))}\n{run.stdout}{run.stderr}")
         return run
 
