@@ -96,10 +96,10 @@ class Opening {
   }
 
   std::uint16_t take_directory(scratch::DirectoryContent content) {
-    if (!content.exists) {
-      if (may_resume_)
-        core::log("resume: there is no scratch directory {}: starting anew", directory_.string());
-      is_created_ = scratch::create_scratch_directory(directory_);
+    if (!content.exists || content.is_empty) {
+      if (may_resume_) core::log("resume: there is no scratch in {}: starting anew", directory_.string());
+      is_created_ = content.exists ? scratch::use_empty_directory(directory_)
+                                   : scratch::create_scratch_directory(directory_);
       content = scratch::look_into_directory(directory_);
       if (is_created_) {
         scratch::write_manifest(scratch::folder_of_attempt(directory_, content.attempt), manifest_);

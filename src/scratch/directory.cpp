@@ -17,6 +17,7 @@ namespace colossus::scratch {
 namespace {
 
 constexpr const char* kManifestName = "manifest";
+constexpr const char* kLentName = "keep-this-folder";  // an empty file
 constexpr const char* kFirstLine = "Colossus scratch files, format 1\n";
 constexpr const char* kChecksumName = "checksum";
 
@@ -146,9 +147,15 @@ DirectoryContent look_into_directory(const std::filesystem::path& directory) {
   try {
     content.exists = std::filesystem::exists(std::filesystem::symlink_status(directory));
     if (!content.exists) return content;
+    content.is_empty = true;
     for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-      const std::uint16_t attempt = attempt_of_name(entry.path().filename().string());
-      content.has_foreign |= attempt == 0;
+      content.is_empty = false;
+      const std::string name = entry.path().filename().string();
+      const std::uint16_t attempt = attempt_of_name(name);
+      if (name == kLentName)
+        content.is_lent = true;
+      else
+        content.has_foreign |= attempt == 0;
       content.attempt = std::max(content.attempt, attempt);
     }
   } catch (const std::filesystem::filesystem_error& error) {
@@ -176,6 +183,25 @@ bool create_scratch_directory(const std::filesystem::path& directory) {
   if (errno == EEXIST) return false;
   core::fail(core::create_status(errno), "{}: cannot create the scratch directory: {}", directory.string(),
              std::strerror(errno));
+}
+
+// The note comes first, so that a build that is killed in between does not lose it; who has made it goes on. Should
+// somebody who has just created the directory make the folder of the attempt at the same time, mkdir() decides.
+bool use_empty_directory(const std::filesystem::path& directory) {
+  const std::filesystem::path note = directory / kLentName;
+  try {
+    core::File::create(note, true).close();
+  } catch (const core::Error&) {
+    if (look_into_directory(directory).is_empty) throw;
+    return false;
+  }
+  try {
+    take_attempt(directory, 0);
+  } catch (const core::Error&) {
+    ::unlink(note.c_str());
+    throw;
+  }
+  return true;
 }
 
 std::uint16_t take_attempt(const std::filesystem::path& directory, std::uint16_t latest) {
@@ -223,7 +249,10 @@ void remove_scratch_directory(const std::filesystem::path& directory, std::uint1
   remove_files(folder, look_into(folder).files);
   remove_manifest(folder);
   remove_folder(folder);
-  remove_folder(directory);
+  if (look_into_directory(directory).is_lent)
+    remove_file(directory / kLentName);
+  else
+    remove_folder(directory);
 }
 
 }  // namespace colossus::scratch

@@ -47,7 +47,9 @@ std::uint64_t bytes_in(const std::filesystem::path& folder);
 // What lies in a scratch directory.
 struct DirectoryContent {
   bool exists = false;
-  bool has_foreign = false;   // anything but folders of attempts
+  bool is_empty = false;      // a directory, and nothing in it
+  bool is_lent = false;       // was there before the build, and is to stay
+  bool has_foreign = false;   // anything but folders of attempts, and the note that it is lent
   std::uint16_t attempt = 0;  // the latest; 0 when there is none
 };
 DirectoryContent look_into_directory(const std::filesystem::path& directory);
@@ -59,6 +61,10 @@ std::filesystem::path folder_of_attempt(const std::filesystem::path& directory, 
 // something of this name already: of two builds that want the same directory, one gets it. Throws
 // Error(kNoResources), Error(kIo) or Error(kCannotCreate), and leaves nothing then.
 bool create_scratch_directory(const std::filesystem::path& directory);
+
+// Uses a directory that exists and is empty, as create_scratch_directory() uses its own: it is noted that it is
+// lent, so that it stays when scratch is removed. False when somebody else has just begun to use it.
+bool use_empty_directory(const std::filesystem::path& directory);
 
 // Makes the folder of the attempt after `latest` out of that of `latest`, or a new one if that is 0, and
 // returns its number. Throws Error(kCannotCreate) when another build was faster; Error(kNoResources) or
@@ -74,8 +80,8 @@ void remove_manifest(const std::filesystem::path& folder);
 // Deletes files; those that are not there are none. Throws Error(kIo).
 void remove_files(const std::filesystem::path& folder, const std::vector<FileId>& files);
 
-// Deletes the folder of the attempt with all our files, the manifest last, and the directory. Does nothing
-// when a later attempt has taken over. Throws Error(kIo) when something cannot be removed, or a file that is
+// Deletes the folder of the attempt with all our files, the manifest last, and the directory unless it is lent.
+// Does nothing when a later attempt has taken over. Throws Error(kIo) when something cannot be removed, or a file that is
 // not ours lies in it, which stays.
 void remove_scratch_directory(const std::filesystem::path& directory, std::uint16_t attempt);
 
