@@ -4,6 +4,7 @@
 #include "build/phase.hpp"
 #include "cluster/stop.hpp"
 #include "container/writer.hpp"
+#include "core/escape.hpp"
 #include "core/log.hpp"
 
 namespace colossus::build {
@@ -26,7 +27,8 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
   if (options.is_lenient) metadata.options.push_back({"lenient", "true"});
   metadata.options.insert(metadata.options.end(), hierarchy.options.begin(), hierarchy.options.end());
   metadata.parameters = hierarchy.parameters;
-  for (const InputFile& file : catalog.files) metadata.inputs.push_back({file.name, file.bytes, file.hash});
+  for (const InputFile& file : catalog.files)
+    metadata.inputs.push_back({core::escaped_text(file.name), file.bytes, file.hash});
   const InputCounts& c = catalog.counts;
   std::uint64_t above_limit = 0;
   for (const LevelStatistics& level : hierarchy.levels) above_limit += level.leaves_above_limit;
@@ -100,7 +102,7 @@ container::Metadata metadata_of(const BuildOptions& options, const Catalog& cata
 std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const char* scheme,
                        const Hierarchy& hierarchy) {
   log_finest_level(catalog, hierarchy);
-  container::ContainerWriter writer(workspace.options.output);
+  container::ContainerWriter writer(workspace.outputs.container.path);
   std::vector<container::NodeRow> rows;
   rows.reserve(hierarchy.nodes.size());
   for (const StoredNode& node : hierarchy.nodes) rows.push_back(node.row);
@@ -113,7 +115,7 @@ std::uint64_t assemble(const Workspace& workspace, const Catalog& catalog, const
   }
   check_not_superseded(workspace);
   writer.commit();
-  return std::filesystem::file_size(workspace.options.output);
+  return std::filesystem::file_size(workspace.outputs.container.path);
 }
 
 }  // namespace colossus::build

@@ -1,10 +1,6 @@
 #include "build/build.hpp"
 
-#include <unistd.h>
-
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 #include "build/assemble.hpp"
@@ -63,18 +59,6 @@ void log_lattice(const Catalog& catalog) {
   core::log("lattice: step {} (input vertices moved by at most {}), origin {} {} {}", catalog.lattice.step,
             catalog.lattice.input_error(), catalog.lattice.origin[0], catalog.lattice.origin[1],
             catalog.lattice.origin[2]);
-}
-
-void check_output(const BuildOptions& options) {
-  const std::filesystem::path folder = options.output.has_parent_path() ? options.output.parent_path() : ".";
-  if (!std::filesystem::is_directory(folder))
-    core::fail(core::Status::kCannotCreate, "{}: the folder {} does not exist", options.output.string(),
-               folder.string());
-  if (std::filesystem::is_directory(options.output))
-    core::fail(core::Status::kCannotCreate, "{}: cannot create: it is a folder", options.output.string());
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    core::fail(core::Status::kCannotCreate, "{}: the folder {} cannot be written: {}",
-               options.output.string(), folder.string(), std::strerror(errno));
 }
 
 BuildReport run_phases(const Workspace& workspace, const Scheme& scheme,
@@ -152,19 +136,16 @@ cluster::AgreedError with_advice(const Attempt& attempt, const std::filesystem::
 }
 
 // Collective. Failures to open scratch are thrown, but a request to stop: there may be much to look at.
-Attempt attempt_build(const cluster::Communicator& ranks, const BuildOptions& options,
-                      const std::filesystem::path& directory, std::uint64_t memory_bytes,
-                      Reporter& reporter) {
+Attempt attempt_build(const cluster::Communicator& ranks, const BuildOptions& options, const Outputs& outputs,
+                      std::uint64_t memory_bytes, Reporter& reporter) {
   std::vector<InputStamp> inputs;
   ranks.attempt([&] {
-    if (!ranks.is_root()) return;
-    check_output(options);
-    inputs = stamps_of_inputs(options);
+    if (ranks.is_root()) inputs = stamps_of_inputs(options);
   });
   Attempt attempt;
   std::optional<OpenedScratch> opened;
   try {
-    opened.emplace(open_scratch(ranks, directory, options.resume, manifest_of(options, inputs)));
+    opened.emplace(open_scratch(ranks, outputs.scratch, options.resume, manifest_of(options, inputs)));
   } catch (const cluster::AgreedError& error) {
     if (error.status() != core::Status::kStopped) throw;
     attempt.failure = error;
@@ -175,8 +156,8 @@ Attempt attempt_build(const cluster::Communicator& ranks, const BuildOptions& op
   reporter.set_attempt(attempt.number);
   scratch::SpoolWriter writer(opened->location, attempt.number, static_cast<std::uint16_t>(ranks.rank()));
   scratch::SpoolReader reader(opened->location);
-  const Workspace workspace{ranks,  options,      opened->location, writer,
-                            reader, memory_bytes, opened->progress, reporter};
+  const Workspace workspace{ranks,        options,          opened->location, writer, reader,
+                            memory_bytes, opened->progress, reporter,         outputs};
   try {
     attempt.report = run_phases(workspace, scheme_named(options.scheme), inputs);
   } catch (const cluster::AgreedError& error) {
@@ -189,22 +170,21 @@ Attempt attempt_build(const cluster::Communicator& ranks, const BuildOptions& op
   return attempt;
 }
 
-BuildReport build_with(const cluster::Communicator& ranks, const BuildOptions& options, Reporter& reporter) {
+BuildReport build_with(const cluster::Communicator& ranks, const BuildOptions& options,
+                       const Outputs& outputs, Reporter& reporter) {
   const std::uint64_t memory_bytes = memory_per_rank(ranks, options.memory);
   cluster::watch_for_stop(ranks, options.time_limit);
-  std::filesystem::path directory = options.scratch;
-  if (directory.empty()) directory = options.output.string() + ".scratch";
-  const Attempt attempt = attempt_build(ranks, options, directory, memory_bytes, reporter);
+  const Attempt attempt = attempt_build(ranks, options, outputs, memory_bytes, reporter);
   ranks.barrier();  // all files are closed
   if (ranks.is_root() && attempt.is_done_with_scratch()) {
     try {
-      scratch::remove_scratch_directory(directory, attempt.number);
+      scratch::remove_scratch_directory(outputs.scratch, attempt.number);
     } catch (const core::Error& error) {
       core::warn_line(error.what());  // the container is complete all the same
     }
   }
   if (!attempt.failure) return attempt.report;
-  const cluster::AgreedError agreed = with_advice(attempt, directory);
+  const cluster::AgreedError agreed = with_advice(attempt, scratch_of(options));
   if (agreed.status() == core::Status::kStopped) core::log_line(agreed.what());
   throw agreed;
 }
@@ -213,15 +193,18 @@ BuildReport build_with(const cluster::Communicator& ranks, const BuildOptions& o
 
 BuildReport build(const cluster::Communicator& ranks, const BuildOptions& options) {
   check_options(ranks, options);
-  Reporter reporter(ranks, options);
+  const Outputs outputs = plan_outputs(ranks, options);
+  Reporter reporter(ranks, options, outputs);
+  BuildReport report;
+  std::optional<cluster::AgreedError> failure;
   try {
-    const BuildReport report = build_with(ranks, options, reporter);
-    reporter.finish(nullptr);
-    return report;
+    report = build_with(ranks, options, outputs, reporter);
   } catch (const cluster::AgreedError& error) {
-    reporter.finish(&error);
-    throw;
+    failure = error;
   }
+  reporter.finish(failure ? &*failure : nullptr);
+  if (failure) throw *failure;
+  return report;
 }
 
 }  // namespace colossus::build

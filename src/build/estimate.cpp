@@ -9,6 +9,7 @@
 #include "build/blocks/blocks.hpp"
 #include "build/memory.hpp"
 #include "core/log.hpp"
+#include "core/place.hpp"
 #include "scratch/directory.hpp"
 
 namespace colossus::build {
@@ -141,10 +142,6 @@ class Estimator {
   double far_share_;
 };
 
-std::filesystem::path folder_of(const std::filesystem::path& file) {
-  return file.has_parent_path() ? file.parent_path() : ".";
-}
-
 std::uint64_t free_bytes(const std::filesystem::path& folder) {
   struct statvfs info {};
   if (::statvfs(folder.c_str(), &info) != 0) return 0;
@@ -198,7 +195,7 @@ void announce_estimate(const Workspace& workspace, const Catalog& catalog, std::
   workspace.ranks.attempt([&] {
     if (!workspace.ranks.is_root()) return;
     const std::filesystem::path& scratch = workspace.scratch.folder;
-    const std::filesystem::path output = folder_of(workspace.options.output);
+    const std::filesystem::path output = core::folder_of(workspace.outputs.container.path);
     BuildEstimate needs = estimate(workspace.options, catalog, occupancy, resident_bytes);
     needs.free_scratch_bytes = free_bytes(scratch);
     needs.free_output_bytes = free_bytes(output);

@@ -6,6 +6,8 @@
 #include <cstring>
 
 #include "core/error.hpp"
+#include "core/file.hpp"
+#include "core/place.hpp"
 #include "input/source.hpp"
 
 namespace colossus::build {
@@ -15,6 +17,9 @@ InputStamp stamp_of(const std::filesystem::path& path) {
   struct stat info {};
   if (::stat(path.c_str(), &info) != 0)
     core::fail(core::Status::kBadData, "{}: cannot open: {}", path.string(), std::strerror(errno));
+  if (!S_ISREG(info.st_mode))
+    core::fail(core::Status::kBadData, "{}: is {}; expected a regular file", path.string(),
+               core::kind_of(info.st_mode));
   return {std::filesystem::absolute(path), static_cast<std::uint64_t>(info.st_size),
           std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec};
 }
@@ -25,6 +30,17 @@ std::string describe(const InputStamp& stamp) {
 }
 
 }  // namespace
+
+std::vector<core::SparedFile> spared_inputs(std::span<const std::string> arguments) {
+  std::vector<core::SparedFile> spared;
+  const auto add = [&](const char* role, const std::filesystem::path& path) {
+    core::refuse_descriptor(path);
+    spared.push_back({role, path});
+  };
+  for (const std::filesystem::path& list : input::lists_of(arguments)) add("the list", list);
+  for (const std::filesystem::path& path : input::expand_inputs(arguments)) add("the input", path);
+  return spared;
+}
 
 std::vector<InputStamp> stamps_of_inputs(const BuildOptions& options) {
   std::vector<InputStamp> stamps;

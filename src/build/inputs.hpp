@@ -3,13 +3,19 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "build/options.hpp"
+#include "core/outputs.hpp"
 #include "scratch/directory.hpp"
 
 namespace colossus::build {
+
+// All files of the arguments, and the lists among them, for outputs to spare. Throws Error(kBadData) for a
+// list that cannot be read, and for names that mean a descriptor, such as /dev/stdin.
+std::vector<core::SparedFile> spared_inputs(std::span<const std::string> arguments);
 
 struct InputStamp {
   std::filesystem::path path;  // absolute
@@ -17,7 +23,7 @@ struct InputStamp {
   std::int64_t modified = 0;  // nanoseconds since 1970
 };
 
-// All inputs, lists expanded. Throws Error(kBadData) when one is not there.
+// All inputs, lists expanded. Throws Error(kBadData) when one is not there, or is no regular file.
 std::vector<InputStamp> stamps_of_inputs(const BuildOptions& options);
 
 // Throws Error(kBadData) that names the file, unless the inputs are as they were.

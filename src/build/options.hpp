@@ -16,7 +16,7 @@ namespace colossus::build {
 struct BuildOptions {
   std::vector<std::string> inputs;  // files, or @list.txt
   std::filesystem::path output;
-  std::filesystem::path scratch;     // empty: <output>.scratch
+  std::optional<std::filesystem::path> scratch;  // else <output>.scratch
   bool resume = false;               // continue what an interrupted build has left in scratch, if anything
   std::optional<double> time_limit;  // seconds since the start of the program, after which the build stops
   std::string scheme = container::kSchemeDiamonds;
@@ -27,8 +27,8 @@ struct BuildOptions {
   bool is_lenient = false;     // see input::SourceOptions
   bool keep_outliers = false;  // go on although a far corner makes the lattice coarser than the triangles
   std::optional<std::string> memory;  // per rank, see parse_size(); else a share of the host's
-  std::filesystem::path status_file;  // empty: none; see schemas/
-  std::filesystem::path report_file;
+  std::optional<std::filesystem::path> status_file;  // see schemas/
+  std::optional<std::filesystem::path> report_file;
   bool is_dry_run = false;           // ends after the estimate
   std::vector<std::string> command;  // the words of the command line, for the report
   std::string codec = codec::codecs().front().name;

@@ -8,9 +8,11 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "cluster/stop.hpp"
 #include "core/bytes.hpp"
-#include "core/file.hpp"
+#include "core/escape.hpp"
 #include "core/log.hpp"
+#include "core/output_file.hpp"
 
 namespace colossus::build {
 namespace {
@@ -30,13 +32,27 @@ std::string now_text() {
 }
 
 // Readers see the file as it was or as it is now, never half of it.
-void replace_file(const std::filesystem::path& path, const std::string& text) {
-  const std::filesystem::path part = path.string() + ".part";
-  core::File file = core::File::create(part);
-  file.write_at(0, std::as_bytes(std::span(text)));
-  file.close();
-  std::filesystem::rename(part, path);
+void replace_file(const core::OutputTarget& target, const std::string& text) {
+  core::OutputFile file(target);
+  file.append(std::as_bytes(std::span(text)));
+  file.commit(core::OutputFile::Durability::kNone);
 }
+
+// Waits for a reader, but not when the build is asked to stop.
+void write_to_stream(const core::OutputTarget& target, const std::string& text) {
+  bool has_said = false;
+  core::OutputFile file(target, [&] {
+    if (cluster::is_stop_requested())
+      core::fail(core::Status::kIo, "{}: nobody reads it, and the build was asked to stop",
+                 target.path.string());
+    if (!has_said) core::log("waiting for a reader of {}", target.path.string());
+    has_said = true;
+  });
+  file.append(std::as_bytes(std::span(text)));
+  file.commit(core::OutputFile::Durability::kNone);
+}
+
+std::string text_of(const ordered_json& json) { return core::with_escaped_texts(json).dump(2) + "\n"; }
 
 // Over the ranks that work: rank 0 hands out tasks unless it is alone.
 template <typename ValueOf>
@@ -113,14 +129,15 @@ ordered_json job_json() {
 
 }  // namespace
 
-Reporter::Reporter(const cluster::Communicator& ranks, const BuildOptions& options)
-    : ranks_(ranks), options_(options), begin_(now_text()) {
+Reporter::Reporter(const cluster::Communicator& ranks, const BuildOptions& options, const Outputs& outputs)
+    : ranks_(ranks), options_(options), outputs_(outputs), begin_(now_text()) {
   hosts_ = ranks_.host_names();
   peak_memory_.assign(hosts_.size(), 0);
   ranks_.attempt([&] {
     if (!ranks_.is_root()) return;
-    if (!options_.status_file.empty()) replace_file(options_.status_file, status_json("running"));
-    if (!options_.report_file.empty()) replace_file(options_.report_file, report_json(nullptr));
+    if (outputs_.status.is_asked_for()) replace_file(outputs_.status, status_json("running"));
+    if (outputs_.report.is_asked_for() && !outputs_.report.is_stream)
+      replace_file(outputs_.report, report_json(nullptr));
   });
 }
 
@@ -160,13 +177,31 @@ void Reporter::end_phase(PhaseShare mine) {
 void Reporter::finish(const core::Error* failure) {
   const std::uint64_t memory = core::peak_memory_bytes();
   const auto gathered = ranks_.gather(std::as_bytes(std::span(&memory, 1)));
-  if (!ranks_.is_root()) return;
   for (std::size_t rank = 0; rank < gathered.size(); ++rank)
     peak_memory_[rank] = std::max(peak_memory_[rank], core::ByteReader(gathered[rank]).get<std::uint64_t>());
+  ranks_.attempt([&] {
+    if (ranks_.is_root()) write_last(failure);
+  });
+}
+
+void Reporter::write_last(const core::Error* failure) {
   is_complete_ = failure == nullptr;
   const bool is_stopped = failure != nullptr && failure->status() == core::Status::kStopped;
   write_status(is_complete_ ? "done" : is_stopped ? "stopped" : "failed");
-  if (!options_.report_file.empty()) replace_or_warn(options_.report_file, report_json(failure));
+  if (!outputs_.report.is_asked_for()) return;
+  const std::string text = report_json(failure);
+  if (!outputs_.report.is_stream) {
+    replace_or_warn(outputs_.report, text);
+    return;
+  }
+  try {
+    write_to_stream(outputs_.report, text);
+  } catch (const core::Error& error) {
+    if (failure == nullptr)
+      core::fail(error.status(), "the report could not be written: {}; the build itself is done",
+                 error.what());
+    core::warn_line(error.what());
+  }
 }
 
 void Reporter::set_input(const Catalog& catalog) {
@@ -197,14 +232,14 @@ std::string Reporter::progress_line() const {
 
 void Reporter::write_status(const char* state) {
   last_status_ = Clock::now();
-  if (!options_.status_file.empty()) replace_or_warn(options_.status_file, status_json(state));
+  if (outputs_.status.is_asked_for()) replace_or_warn(outputs_.status, status_json(state));
 }
 
-void Reporter::replace_or_warn(const std::filesystem::path& path, const std::string& text) {
+void Reporter::replace_or_warn(const core::OutputTarget& file, const std::string& text) {
   try {
-    replace_file(path, text);
+    replace_file(file, text);
   } catch (const std::exception& error) {
-    if (!has_warned_) core::warn("{}: cannot be written: {}", path.string(), error.what());
+    if (!has_warned_) core::warn("{}: cannot be written: {}", file.path.string(), error.what());
     has_warned_ = true;
   }
 }
@@ -224,7 +259,7 @@ std::string Reporter::status_json(const char* state) const {
                      {"tasks", phases_.back().tasks},
                      {"done", done_},
                      {"seconds", phase_seconds()}};
-  return json.dump(2) + "\n";
+  return text_of(json);
 }
 
 std::string Reporter::report_json(const core::Error* failure) const {
@@ -235,7 +270,8 @@ std::string Reporter::report_json(const core::Error* failure) const {
   json["message"] = failure == nullptr ? "" : failure->what();
   json["program"] = {{"name", "colossus"}, {"version", COLOSSUS_VERSION}, {"compiler", "g++ " __VERSION__}};
   json["command"] = options_.command;
-  json["folder"] = std::filesystem::current_path().string();
+  std::error_code unknown;  // the folder may have been removed
+  json["folder"] = std::filesystem::current_path(unknown).string();
   json["begin"] = begin_;
   json["end"] = now_text();
   json["seconds"] = core::elapsed_seconds();
@@ -273,7 +309,7 @@ std::string Reporter::report_json(const core::Error* failure) const {
   }
   json["levels"] = levels_json(levels_);
   json["output"] = {{"path", options_.output.string()}, {"bytes", output_bytes_}, {"nodes", node_count_}};
-  return json.dump(2) + "\n";
+  return text_of(json);
 }
 
 }  // namespace colossus::build

@@ -13,6 +13,7 @@
 #include "build/catalog.hpp"
 #include "build/hierarchy.hpp"
 #include "build/options.hpp"
+#include "build/outputs.hpp"
 #include "cluster/communicator.hpp"
 #include "core/error.hpp"
 
@@ -39,8 +40,8 @@ struct BuildEstimate {
 class Reporter {
  public:
   // Collective. Throws Error(kCannotCreate) on all ranks when --status or --report name files that cannot be
-  // written: better now than after hours.
-  Reporter(const cluster::Communicator& ranks, const BuildOptions& options);
+  // written: better now than after hours. A report to a pipe or a device is written once, at the end.
+  Reporter(const cluster::Communicator& ranks, const BuildOptions& options, const Outputs& outputs);
 
   // Not collective: what the task at hand has to do.
   void add_triangles(std::uint64_t count) { triangles_ += count; }
@@ -60,7 +61,9 @@ class Reporter {
   void end_phase(PhaseShare mine);
 
   // Collective. Writes the last status and the report; `failure` is how the build ended, if not well.
-  // Failures to write are warnings: the container is complete all the same.
+  // Failures to write are warnings: the container is complete all the same, and files could be written
+  // before. But when a build that ended well cannot write to a pipe or a device, all ranks throw
+  // Error(kNoResources) or Error(kIo). Waits for the reader of a pipe until a stop is requested.
   void finish(const core::Error* failure);
 
  private:
@@ -76,12 +79,14 @@ class Reporter {
   std::string status_json(const char* state) const;
   std::string report_json(const core::Error* failure) const;
   void write_status(const char* state);
-  void replace_or_warn(const std::filesystem::path& path, const std::string& text);
+  void replace_or_warn(const core::OutputTarget& file, const std::string& text);
+  void write_last(const core::Error* failure);
   std::string progress_line() const;
   double phase_seconds() const;
 
   const cluster::Communicator& ranks_;
   const BuildOptions& options_;
+  const Outputs& outputs_;
   std::vector<std::string> hosts_;  // by rank
   std::string begin_;               // ISO time
   std::uint64_t triangles_ = 0;     // of the phase at hand, on this rank

@@ -14,10 +14,10 @@ struct OpenedScratch {
   Progress progress;
 };
 
-// Collective. Only rank 0's `manifest` is used. Creates the directory, uses one that is empty, which then stays, or
-// with `may_resume` takes over one that is there; the location is the folder of this attempt in it. All ranks then have proved that they see the
-// same one. What earlier attempts have finished is checked, by all ranks together; what is damaged is as if it
-// had not been done. Throws
+// Collective. Only rank 0's `manifest` is used. Creates the directory, uses one that is empty, which then
+// stays, or with `may_resume` takes over one that is there; the location is the folder of this attempt in it.
+// All ranks then have proved that they see the same one. What earlier attempts have finished is checked, by
+// all ranks together; what is damaged is as if it had not been done. Throws
 // - Error(kCannotCreate) when there is something of this name that cannot be continued;
 // - Error(kUsage) when it belongs to another build; the message says what differs;
 // - Error(kIo) when a rank does not see the directory, and for failures of the file system.

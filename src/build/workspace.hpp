@@ -2,6 +2,7 @@
 #pragma once
 
 #include "build/options.hpp"
+#include "build/outputs.hpp"
 #include "build/reporter.hpp"
 #include "cluster/communicator.hpp"
 #include "core/bytes.hpp"
@@ -20,6 +21,7 @@ struct Workspace {
   std::uint64_t memory_bytes;  // that this rank may use
   Progress& progress;
   Reporter& reporter;
+  const Outputs& outputs;
 };
 
 // Sends what rank 0 has to all ranks. Collective.

@@ -32,7 +32,7 @@ void add_build(CLI::App& app, Action& chosen) {
       ->required();
   command->add_option("-o,--output", options->output, "The container to write, e.g. statue.h5")->required();
   command->add_option("--scratch", options->scratch,
-                      "Folder for temporary files, to be created; default: <output>.scratch");
+                      "Folder for temporary files, to be created, or empty; default: <output>.scratch");
   command->add_flag("--resume", options->resume,
                     "Continue the build that was interrupted; without one, begin a new one");
   auto time_limit = std::make_shared<std::string>();
@@ -75,6 +75,7 @@ void add_build(CLI::App& app, Action& chosen) {
   command->callback([&chosen, options, time_limit] {
     chosen = [options, time_limit](int& argc, char**& argv) {
       return cluster::run_ranks(argc, argv, [&](cluster::Communicator& ranks) {
+        cluster::refuse_lone_start(ranks);
         options->command.assign(argv, argv + argc);
         if (!time_limit->empty()) options->time_limit = seconds_of(*time_limit);
         core::log("colossus {} build, {} ranks, leaf triangles {}", COLOSSUS_VERSION, ranks.size(),

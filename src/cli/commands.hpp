@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 namespace colossus::cli {
 
@@ -12,9 +13,11 @@ using Action = std::function<int(int& argc, char**& argv)>;
 
 // Of build, verify --against and synth --base.
 inline constexpr const char* kLenientHelp =
-    "Let pass, and say so: floats for indices and counts, surplus numbers in a row, prose in headers, and "
-    "other bytes "
-    "behind the data";
+    "Let pass, and say so: floats for indices and counts, surplus numbers in a row, prose in headers, other bytes behind "
+    "the data";
+
+// To stdout. Throws Error(kNoResources) or Error(kIo) when it cannot be written.
+void print(const std::string& text);
 
 void add_build(CLI::App& app, Action& chosen);
 void add_synth(CLI::App& app, Action& chosen);

@@ -1,7 +1,6 @@
 // The colossus program: parses the command line, runs one subcommand, and turns errors into exit statuses.
 #include <csignal>
 #include <cstdio>
-#include <exception>
 
 #include "cli/commands.hpp"
 #include "core/error.hpp"
@@ -10,6 +9,8 @@ int main(int argc, char** argv) {
   using colossus::core::Status;
   // A limit on the size of files (ulimit -f) then is an error like a full disk, with a message.
   std::signal(SIGXFSZ, SIG_IGN);
+  // And a reader of a pipe that goes away is an error of writing.
+  std::signal(SIGPIPE, SIG_IGN);
   CLI::App app{
       "Colossus turns gigantic triangle meshes into multiresolution containers that readers open "
       "out-of-core."};
@@ -28,14 +29,9 @@ int main(int argc, char** argv) {
   }
   try {
     return chosen(argc, argv);
-  } catch (const colossus::core::Error& error) {
+  } catch (...) {
+    const colossus::core::Error error = colossus::core::error_of_current_exception();
     std::fprintf(stderr, "colossus: %s\n", error.what());
     return static_cast<int>(error.status());
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "colossus: not enough memory\n");
-    return static_cast<int>(Status::kNoResources);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "colossus: internal error (please report it): %s\n", error.what());
-    return static_cast<int>(Status::kInternal);
   }
 }

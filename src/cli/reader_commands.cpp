@@ -1,12 +1,15 @@
 // info, verify and extract: what a user does with a finished container.
-#include <cstdio>
+#include <unistd.h>
+
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "build/inputs.hpp"
 #include "cli/commands.hpp"
 #include "core/error.hpp"
+#include "core/file.hpp"
 #include "core/log.hpp"
 #include "input/load.hpp"
 #include "reader/cube_extract.hpp"
@@ -24,6 +27,7 @@ namespace {
 // overloaded.
 template <typename Visit>
 auto with_statue(const std::string& path, Visit visit) {
+  core::refuse_descriptor(path);
   return std::visit([&](const auto& statue) { return visit(*statue); }, reader::open(path));
 }
 
@@ -42,12 +46,13 @@ int verify_statue(const Statue& statue, const VerifyArguments& arguments) {
   input::LoadedMesh input;
   reader::Surface surface;
   if (!arguments.against.empty()) {
+    build::spared_inputs(arguments.against);  // refuses descriptors
     input = input::load_mesh(arguments.against, {arguments.drop_textures, arguments.is_lenient});
     surface = {input.positions, input.triangles};
     options.against = &surface;
   }
   const reader::VerifyReport report = reader::verify(statue, options);
-  std::fputs(reader::to_text(report).c_str(), stdout);
+  print(reader::to_text(report));
   if (!report.is_ok())
     core::fail(core::Status::kBadData, "{}: verify found {} faults", arguments.container, report.total());
   return 0;
@@ -76,13 +81,13 @@ constexpr const char* name_of_parts(const reader::Statue&) { return "tetrahedra"
 constexpr const char* name_of_parts(const reader::CubeStatue&) { return "cubes"; }
 
 template <typename Statue>
-int extract_cut(const Statue& statue, const ExtractArguments& arguments) {
+int extract_cut(const Statue& statue, const ExtractArguments& arguments, const core::OutputTarget& target) {
   const auto cut = chosen_cut(statue, arguments);
   if (!cut.warning.empty()) core::warn("{}", cut.warning);
   const std::vector<std::uint64_t> parts = parts_by_level(statue, cut);
   for (std::size_t level = 0; level < parts.size(); ++level)
     if (parts[level] > 0) core::log("level {}: {} {}", level, parts[level], name_of_parts(statue));
-  const reader::ExtractResult result = extract(statue, cut, arguments.output);
+  const reader::ExtractResult result = extract(statue, cut, target);
   core::log("{}: {} vertices, {} triangles{}", arguments.output, result.vertices, result.triangles,
             result.has_doubles ? ", positions as doubles" : "");
   return 0;
@@ -102,7 +107,7 @@ void add_info(CLI::App& app, Action& chosen) {
   command->callback([&chosen, arguments] {
     chosen = [arguments](int&, char**&) {
       return with_statue(arguments->container, [&](const reader::StatueFile& statue) {
-        std::fputs((arguments->json ? info_json(statue) : info_text(statue)).c_str(), stdout);
+        print(arguments->json ? info_json(statue) : info_text(statue));
         return 0;
       });
     };
@@ -157,8 +162,13 @@ void add_extract(CLI::App& app, Action& chosen) {
       ->needs(eye);
   command->callback([&chosen, arguments] {
     chosen = [arguments](int&, char**&) {
+      const core::SparedFile container{"the container", arguments->container};
+      const core::OutputRequest request{"-o", arguments->output, core::OutputKind::kFileOrStream};
+      const core::OutputTarget target =
+          core::plan_outputs(std::span(&container, 1), std::span(&request, 1)).front();
+      if (target.is_same_as(STDOUT_FILENO)) core::keep_log_off_stdout();
       return with_statue(arguments->container,
-                         [&](const auto& statue) { return extract_cut(statue, *arguments); });
+                         [&](const auto& statue) { return extract_cut(statue, *arguments, target); });
     };
   });
 }

@@ -1,3 +1,4 @@
+#include "build/inputs.hpp"
 #include "cli/commands.hpp"
 #include "core/log.hpp"
 #include "input/load.hpp"
@@ -8,31 +9,35 @@ namespace {
 
 struct SynthArguments {
   input::SynthOptions options;
-  std::string base;
+  std::optional<std::string> base;
   bool is_lenient = false;
   bool no_colors = false;
 };
 
 int run(SynthArguments arguments) {
   arguments.options.colors = !arguments.no_colors;
+  const std::string output = arguments.options.output.string();
+  std::vector<core::SparedFile> spared;
+  if (arguments.base) spared = build::spared_inputs(std::span(&*arguments.base, 1));
+  const core::OutputRequest request{"-o", arguments.options.output, core::OutputKind::kFile};
+  arguments.options.output = core::plan_outputs(spared, std::span(&request, 1)).front().path;
   const double start = core::elapsed_seconds();
   input::SynthReport report;
-  if (arguments.base.empty()) {
+  if (!arguments.base) {
     report = input::synthesize(arguments.options);
   } else {
     input::LoadedMesh loaded =
-        input::load_mesh(std::span(&arguments.base, 1), {.is_lenient = arguments.is_lenient});
+        input::load_mesh(std::span(&*arguments.base, 1), {.is_lenient = arguments.is_lenient});
     input::BaseMesh base;
-    base.name = arguments.base;
+    base.name = *arguments.base;
     base.positions = std::move(loaded.positions);
     base.triangles = std::move(loaded.triangles);
     for (const auto& c : loaded.colors) base.colors.push_back({c[0], c[1], c[2]});
     report = input::synthesize(arguments.options, base);
   }
   const double seconds = core::elapsed_seconds() - start;
-  core::log("{}: {} vertices, {} triangles, {:.1f} million triangles per second",
-            arguments.options.output.string(), report.vertices, report.triangles,
-            static_cast<double>(report.triangles) / 1e6 / seconds);
+  core::log("{}: {} vertices, {} triangles, {:.1f} million triangles per second", output, report.vertices,
+            report.triangles, static_cast<double>(report.triangles) / 1e6 / seconds);
   return 0;
 }
 

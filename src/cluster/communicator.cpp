@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <new>
 
 #include "cluster/detail/mpi_calls.hpp"
 
@@ -190,7 +189,7 @@ void Communicator::attempt(const std::function<void()>& step) const {
   try {
     step();
   } catch (...) {
-    error.emplace(error_of_current_exception());
+    error.emplace(core::error_of_current_exception());
   }
   agree(error);
 }
@@ -198,20 +197,6 @@ void Communicator::attempt(const std::function<void()>& step) const {
 void Communicator::set_piece_bytes(std::size_t piece_bytes) {
   COLOSSUS_CHECK(piece_bytes > 0 && piece_bytes < (std::size_t{1} << 30), "{} bytes", piece_bytes);
   impl_->piece_bytes = piece_bytes;
-}
-
-core::Error error_of_current_exception() {
-  try {
-    throw;
-  } catch (const core::Error& error) {
-    return error;
-  } catch (const std::bad_alloc&) {
-    return {core::Status::kNoResources, "not enough memory: an allocation failed"};
-  } catch (const std::exception& error) {
-    return {core::Status::kInternal, fmt::format("internal error (please report it): {}", error.what())};
-  } catch (...) {
-    return {core::Status::kInternal, "internal error (please report it): an exception of unknown type"};
-  }
 }
 
 }  // namespace colossus::cluster

@@ -97,7 +97,7 @@ class Communicator {
 
   // Collective. Runs `step`, which may fail on some ranks only, and agrees on the outcome. `step` must not
   // contain collective calls that the other ranks would wait for if it failed. Exceptions other than Error
-  // become one, see error_of_current_exception().
+  // become one, see core::error_of_current_exception().
   void attempt(const std::function<void()>& step) const;
 
   // Not collective, but all ranks must set the same, below 1 GiB. Bytes travel in pieces of at most this
@@ -109,9 +109,5 @@ class Communicator {
  private:
   std::unique_ptr<Impl> impl_;
 };
-
-// Inside a catch block: the exception as an Error. An Error stays what it is, an allocation that failed
-// becomes kNoResources, and anything else is a bug of ours, kInternal.
-core::Error error_of_current_exception();
 
 }  // namespace colossus::cluster

@@ -118,7 +118,7 @@ class Master {
 
   // Of a callback of rank 0, which takes precedence over any worker's.
   void fail_here(std::size_t task) {
-    const core::Error error = with_place(error_of_current_exception(), task, 0);
+    const core::Error error = with_place(core::error_of_current_exception(), task, 0);
     if (failed_here_) return;
     failed_here_ = true;
     failure_.emplace(error);
@@ -198,7 +198,7 @@ class Worker {
       answer.payload = work_(task.payload);
     } catch (...) {
       answer.kind = kFailure;
-      answer.payload = detail::encode_error(error_of_current_exception());
+      answer.payload = detail::encode_error(core::error_of_current_exception());
       has_failed_ = true;  // kStop is on its way: nothing that waits here need be begun
       tasks_.clear();
     }
@@ -228,7 +228,7 @@ FarmShare run_alone(std::size_t task_count, const MakeTask& make_task, const Wor
       ++share.task_count;
       on_result(task, std::move(result));
     } catch (...) {
-      const core::Error error = with_place(error_of_current_exception(), task, 0);
+      const core::Error error = with_place(core::error_of_current_exception(), task, 0);
       throw AgreedError(error.status(), error.what());
     }
   }

@@ -35,7 +35,7 @@ struct FarmShare {
 // An exception from any callback is data: no further task starts, those that run are finished, their results
 // dropped, and run_farm() throws the same AgreedError on all ranks, with the status of the Error and its
 // message followed by task and rank. Of several failures, one of rank 0's callbacks comes first, then the one
-// of the lowest task. Exceptions other than Error: see error_of_current_exception().
+// of the lowest task. Exceptions other than Error: see core::error_of_current_exception().
 FarmShare run_farm(const Communicator& ranks, std::size_t task_count, const MakeTask& make_task,
                    const Work& work, const TakeResult& on_result);
 

@@ -41,6 +41,12 @@ void prepare_to_run_alone() {
   setenv("OMPI_MCA_btl", "self", kKeep);
 }
 
+// The number that a variable holds, 0 for none.
+long number_of(const char* variable) {
+  const char* text = std::getenv(variable);
+  return text == nullptr ? 0 : std::strtol(text, nullptr, 10);
+}
+
 MPI_Comm duplicate_world() {
   MPI_Comm comm = MPI_COMM_NULL;
   check_mpi(MPI_Comm_dup(MPI_COMM_WORLD, &comm), "MPI_Comm_dup");
@@ -68,7 +74,7 @@ Outcome run_body(Communicator& world, const std::function<int(Communicator&)>& b
   } catch (const AgreedError& error) {
     return {static_cast<int>(error.status()), error.what(), true};
   } catch (...) {
-    const core::Error error = error_of_current_exception();
+    const core::Error error = core::error_of_current_exception();
     return {static_cast<int>(error.status()), error.what(), false};
   }
 }
@@ -146,6 +152,19 @@ Session::~Session() {
   Communicator::Impl& impl = world_->impl();
   for (MPI_Comm* comm : {&impl.collective, &impl.farm, &impl.farewell, &impl.stop}) MPI_Comm_free(comm);
   MPI_Finalize();
+}
+
+void refuse_lone_start(const Communicator& world) {
+  // mpirun of our MPI says how many there are, and has made the world so.
+  if (world.size() > 1 || std::getenv("OMPI_COMM_WORLD_SIZE")) return;
+  const long count = std::max({number_of("SLURM_STEP_NUM_TASKS"), number_of("PMI_SIZE"), 1L});
+  const bool is_one_of_several = count > 1 || number_of("PMIX_RANK") > 0 || number_of("PMI_RANK") > 0;
+  if (!is_one_of_several) return;
+  core::fail(
+      core::Status::kUsage,
+      "{} programs of one rank each were started instead of one program of several ranks, and would do "
+      "the same work: start them with srun --mpi=pmix, or with mpirun; to start a single one, say srun -n 1",
+      count > 1 ? fmt::format("{}", count) : "several");
 }
 
 int run_ranks(int& argc, char**& argv, const std::function<int(Communicator&)>& body) {

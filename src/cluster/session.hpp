@@ -29,6 +29,11 @@ class Session {
   std::unique_ptr<Communicator> world_;
 };
 
+// Throws Error(kUsage) when this process says that it is all there is, but was started as one of several: by
+// srun or mpirun of an MPI that ours does not understand. Only what belongs to this start counts, never what
+// the batch system has allocated. Not collective.
+void refuse_lone_start(const Communicator& world);
+
 // Runs `body` on every rank, and returns the exit status for main(): the largest status that any rank's body
 // returned or failed with, on all ranks the same. Collective.
 //

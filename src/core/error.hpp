@@ -42,6 +42,11 @@ template <typename... Args>
   throw Error(status, fmt::format(format, std::forward<Args>(args)...));
 }
 
+// Inside a catch block: the exception as an Error. An Error stays what it is. An allocation that failed, or
+// was too large to try, and threads that cannot be started are kNoResources; what the file system or the
+// system has refused is kNoResources or kIo. Anything else is a bug of ours, kInternal.
+Error error_of_current_exception();
+
 // What is wrong with bytes that we did not write ourselves, and at which offset.
 struct Defect {
   std::string message;

@@ -8,11 +8,18 @@
 #include <cstring>
 #include <utility>
 
+#include "core/place.hpp"
+
 namespace colossus::core {
 namespace {
 
 // Systems limit one call to about 2 GiB; a quarter of it keeps signals and progress responsive.
 constexpr std::size_t kMaxCallBytes = std::size_t{1} << 29;
+
+void require_regular(const std::filesystem::path& path, const struct stat& info) {
+  if (!S_ISREG(info.st_mode))
+    fail(Status::kBadData, "{}: is {}; expected a regular file", path.string(), kind_of(info.st_mode));
+}
 
 }  // namespace
 
@@ -46,13 +53,20 @@ File& File::operator=(File&& other) noexcept {
 File File::open_for_reading(const std::filesystem::path& path) {
   File file;
   file.path_ = path;
-  file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file.descriptor_ < 0)
-    fail(Status::kBadData, "{}: cannot open: {}", path.string(), std::strerror(errno));
+  // To open a pipe waits for a writer, and to open a device may do something: they are told before. A name
+  // may change its meaning between the two calls, hence the flags and the second look.
   struct stat info {};
-  if (::fstat(file.descriptor_, &info) != 0 || S_ISDIR(info.st_mode))
-    fail(Status::kBadData, "{}: is not a file that can be read", path.string());
+  if (::stat(path.c_str(), &info) == 0) require_regular(path, info);
+  file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (file.descriptor_ < 0 || ::fstat(file.descriptor_, &info) != 0)
+    fail(Status::kBadData, "{}: cannot open: {}", path.string(), std::strerror(errno));
+  require_regular(path, info);
   return file;
+}
+
+File File::create_anew(const std::filesystem::path& path) {
+  ::unlink(path.c_str());
+  return create(path, true);
 }
 
 File File::create(const std::filesystem::path& path, bool exclusive) {
@@ -119,6 +133,11 @@ void File::close() {
   const int descriptor = std::exchange(descriptor_, -1);
   if (descriptor >= 0 && ::close(descriptor) != 0)
     fail(write_status(errno), "{}: cannot close: {}", path_.string(), std::strerror(errno));
+}
+
+void refuse_descriptor(const std::filesystem::path& input) {
+  if (place_of(input).is_descriptor)
+    fail(Status::kBadData, "{}: is an open descriptor; expected the name of a regular file", input.string());
 }
 
 Bytes read_file(const std::filesystem::path& path) {

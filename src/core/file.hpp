@@ -26,11 +26,16 @@ class File {
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
-  // Throws Error(kBadData) when the file cannot be opened: a missing input is bad input.
+  // Throws Error(kBadData) when the file cannot be opened, or is no regular file: a missing input is bad
+  // input, and a pipe or a device could be read once only, by one rank. Never waits for somebody else.
   static File open_for_reading(const std::filesystem::path& path);
   // Creates the file, which must not exist when `exclusive`; else truncates it. Throws Error with
   // create_status().
   static File create(const std::filesystem::path& path, bool exclusive = false);
+
+  // Creates a file that is new even if there is one of this name, which goes: others may hold that one open,
+  // and other names may lead to it. Throws Error with create_status().
+  static File create_anew(const std::filesystem::path& path);
 
   bool is_open() const { return descriptor_ >= 0; }
   const std::filesystem::path& path() const { return path_; }
@@ -53,6 +58,11 @@ class File {
   std::filesystem::path path_;
   int descriptor_ = -1;
 };
+
+// Throws Error(kBadData) for names of inputs that mean a descriptor, such as /dev/stdin, also through
+// symbolic links: what that is may differ from rank to rank, and cannot be opened again when a build is
+// resumed.
+void refuse_descriptor(const std::filesystem::path& input);
 
 // All bytes of a file. Throws like File.
 Bytes read_file(const std::filesystem::path& path);

@@ -10,11 +10,14 @@ namespace colossus::core {
 namespace {
 
 bool log_enabled = true;
+std::FILE* log_stream = stdout;
 const auto start_time = std::chrono::steady_clock::now();
 
 }  // namespace
 
 void set_log_enabled(bool enabled) { log_enabled = enabled; }
+
+void keep_log_off_stdout() { log_stream = stderr; }
 
 double elapsed_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
@@ -28,8 +31,8 @@ void log_line(const std::string& text) {
   char stamp[32];
   std::strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", &utc);
   const std::string line = fmt::format("{} {:8.2f}s  {}\n", stamp, elapsed_seconds(), text);
-  std::fwrite(line.data(), 1, line.size(), stdout);
-  std::fflush(stdout);
+  std::fwrite(line.data(), 1, line.size(), log_stream);
+  std::fflush(log_stream);
 }
 
 void warn_line(const std::string& text) {

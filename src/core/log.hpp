@@ -11,6 +11,9 @@ namespace colossus::core {
 // rank.
 void set_log_enabled(bool enabled);
 
+// From now on progress goes to stderr: an output of the program is what stdout leads to.
+void keep_log_off_stdout();
+
 // Progress, to stdout. Each line starts with the time and the seconds since the start of the program.
 void log_line(const std::string& text);
 

@@ -99,4 +99,11 @@ std::vector<std::filesystem::path> expand_inputs(std::span<const std::string> ar
   return paths;
 }
 
+std::vector<std::filesystem::path> lists_of(std::span<const std::string> arguments) {
+  std::vector<std::filesystem::path> lists;
+  for (const std::string& argument : arguments)
+    if (argument.starts_with('@')) lists.emplace_back(argument.substr(1));
+  return lists;
+}
+
 }  // namespace colossus::input

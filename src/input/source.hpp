@@ -174,4 +174,7 @@ std::unique_ptr<Source> open_source(const std::filesystem::path& path, const Sou
 // files themselves.
 std::vector<std::filesystem::path> expand_inputs(std::span<const std::string> arguments);
 
+// The lists among the arguments, by their own paths.
+std::vector<std::filesystem::path> lists_of(std::span<const std::string> arguments);
+
 }  // namespace colossus::input

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/file.hpp"
+#include "core/outputs.hpp"
 #include "input/synth_order.hpp"
 #include "input/synth_surface.hpp"
 
@@ -366,9 +367,8 @@ struct PartGuard {
 };
 
 SynthReport write_statue(const SynthSurface& surface, const SynthOptions& options) {
-  std::filesystem::path part = options.output;
-  part += ".part";
-  core::File file = core::File::create(part);
+  const std::filesystem::path part = core::part_of(options.output);
+  core::File file = core::File::create_anew(part);
   PartGuard guard{part};
   Writer(surface, options, file).write(options.threads == 0 ? usable_processors() : options.threads);
   file.close();

@@ -24,7 +24,7 @@ struct BaseMesh {
 };
 
 struct SynthOptions {
-  std::filesystem::path output;
+  std::filesystem::path output;         // a regular file, or nothing yet
   std::uint64_t triangles = 2'000'000;  // about so many; SynthReport has the number written
   std::uint64_t seed = 1;
   bool colors = true;

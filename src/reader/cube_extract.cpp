@@ -117,8 +117,8 @@ CutMesh assemble(const CubeStatue& statue, const CubeCut& cut) {
   return mesh;
 }
 
-ExtractResult extract(const CubeStatue& statue, const CubeCut& cut, const std::filesystem::path& path) {
-  return write(assemble(statue, cut), path);
+ExtractResult extract(const CubeStatue& statue, const CubeCut& cut, const core::OutputTarget& target) {
+  return write(assemble(statue, cut), target);
 }
 
 }  // namespace colossus::reader

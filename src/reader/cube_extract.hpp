@@ -1,8 +1,6 @@
 // A cut of cubes as one indexed mesh, and as a PLY file.
 #pragma once
 
-#include <filesystem>
-
 #include "reader/cube_cut.hpp"
 #include "reader/cut_mesh.hpp"
 
@@ -15,6 +13,6 @@ namespace colossus::reader {
 CutMesh assemble(const CubeStatue& statue, const CubeCut& cut);
 
 // Assembles and writes. Throws like both.
-ExtractResult extract(const CubeStatue& statue, const CubeCut& cut, const std::filesystem::path& path);
+ExtractResult extract(const CubeStatue& statue, const CubeCut& cut, const core::OutputTarget& target);
 
 }  // namespace colossus::reader

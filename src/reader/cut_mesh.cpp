@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <system_error>
 
 #include "core/bytes.hpp"
-#include "core/file.hpp"
+#include "core/output_file.hpp"
 
 namespace colossus::reader {
 namespace {
@@ -71,7 +70,7 @@ std::string ply_header(const CutMesh& mesh, bool has_doubles) {
 // Appends to a file in large writes.
 class BufferedFile {
  public:
-  explicit BufferedFile(const std::filesystem::path& path) : file_(core::File::create(path)) {}
+  explicit BufferedFile(const core::OutputTarget& target) : file_(target) {}
   template <typename T>
   void put(const T& value) {
     buffer_.put(value);
@@ -80,24 +79,21 @@ class BufferedFile {
   void put_text(const std::string& text) { buffer_.put_bytes(std::as_bytes(std::span(text))); }
   void finish() {
     flush();
-    file_.sync();
-    file_.close();
+    file_.commit(core::OutputFile::Durability::kOnTheDevice);
   }
 
  private:
   static constexpr std::size_t kBufferBytes = std::size_t{1} << 22;
   void flush() {
-    file_.write_at(offset_, buffer_.bytes());
-    offset_ += buffer_.size();
+    file_.append(buffer_.bytes());
     buffer_ = {};
   }
-  core::File file_;
+  core::OutputFile file_;
   core::ByteWriter buffer_;
-  std::uint64_t offset_ = 0;
 };
 
-void write_ply(const CutMesh& mesh, bool has_doubles, const std::filesystem::path& path) {
-  BufferedFile file(path);
+void write_ply(const CutMesh& mesh, bool has_doubles, const core::OutputTarget& target) {
+  BufferedFile file(target);
   file.put_text(ply_header(mesh, has_doubles));
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const auto& p = mesh.positions[i];
@@ -173,22 +169,9 @@ bool fits_floats(const CutMesh& mesh) {
   });
 }
 
-ExtractResult write(const CutMesh& mesh, const std::filesystem::path& path) {
+ExtractResult write(const CutMesh& mesh, const core::OutputTarget& target) {
   const bool has_doubles = !fits_floats(mesh);
-  std::filesystem::path part = path;
-  part += ".part";
-  try {
-    write_ply(mesh, has_doubles, part);
-    std::error_code error;
-    std::filesystem::rename(part, path, error);
-    if (error)
-      core::fail(Status::kCannotCreate, "{}: cannot rename {}: {}", path.string(), part.string(),
-                 error.message());
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw;
-  }
+  write_ply(mesh, has_doubles, target);
   return {mesh.positions.size(), mesh.triangles.size(), has_doubles};
 }
 

@@ -3,9 +3,9 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <vector>
 
+#include "core/outputs.hpp"
 #include "mesh/mesh.hpp"
 
 namespace colossus::reader {
@@ -39,10 +39,10 @@ struct ExtractResult {
   bool has_doubles = false;
 };
 
-// Writes PATH.part, binary little-endian, then renames it. Positions are floats or doubles (fits_floats()),
+// Writes it, binary little-endian, as core::OutputFile does. Positions are floats or doubles (fits_floats()),
 // normals three floats, colours four uchar (red, green, blue, alpha). Throws Error(kCannotCreate) when the
-// file cannot be created, kNoResources when the device is full, kIo for other failures of writing; PATH.part
-// is then removed.
-ExtractResult write(const CutMesh& mesh, const std::filesystem::path& path);
+// file cannot be created, kNoResources when the device is full, kIo for other failures of writing; no part of
+// a file is left then.
+ExtractResult write(const CutMesh& mesh, const core::OutputTarget& target);
 
 }  // namespace colossus::reader

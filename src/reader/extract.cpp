@@ -76,8 +76,8 @@ CutMesh assemble(const Statue& statue, const Cut& cut) {
   return mesh;
 }
 
-ExtractResult extract(const Statue& statue, const Cut& cut, const std::filesystem::path& path) {
-  return write(assemble(statue, cut), path);
+ExtractResult extract(const Statue& statue, const Cut& cut, const core::OutputTarget& target) {
+  return write(assemble(statue, cut), target);
 }
 
 }  // namespace colossus::reader

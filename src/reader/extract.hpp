@@ -1,8 +1,6 @@
 // A conforming cut of diamonds as one indexed mesh, and as a PLY file.
 #pragma once
 
-#include <filesystem>
-
 #include "reader/cut.hpp"
 #include "reader/cut_mesh.hpp"
 
@@ -15,6 +13,6 @@ namespace colossus::reader {
 CutMesh assemble(const Statue& statue, const Cut& cut);
 
 // Assembles and writes. Throws like both.
-ExtractResult extract(const Statue& statue, const Cut& cut, const std::filesystem::path& path);
+ExtractResult extract(const Statue& statue, const Cut& cut, const core::OutputTarget& target);
 
 }  // namespace colossus::reader

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/error.hpp"
+#include "core/escape.hpp"
 
 namespace colossus::reader {
 namespace {
@@ -278,8 +279,7 @@ std::string info_json(const StatueFile& statue) {
     json["levels"].push_back(line);
   }
   json["levels_above_target"] = levels_above_target(meta, summary);
-  // Names come from the file: what is no UTF-8 is replaced.
-  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return core::with_escaped_texts(json).dump(2) + "\n";
 }
 
 }  // namespace colossus::reader

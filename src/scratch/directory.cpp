@@ -185,8 +185,9 @@ bool create_scratch_directory(const std::filesystem::path& directory) {
              std::strerror(errno));
 }
 
-// The note comes first, so that a build that is killed in between does not lose it; who has made it goes on. Should
-// somebody who has just created the directory make the folder of the attempt at the same time, mkdir() decides.
+// The note comes first, so that a build that is killed in between does not lose it; who has made it goes on.
+// Should somebody who has just created the directory make the folder of the attempt at the same time, mkdir()
+// decides.
 bool use_empty_directory(const std::filesystem::path& directory) {
   const std::filesystem::path note = directory / kLentName;
   try {

@@ -62,8 +62,8 @@ std::filesystem::path folder_of_attempt(const std::filesystem::path& directory, 
 // Error(kNoResources), Error(kIo) or Error(kCannotCreate), and leaves nothing then.
 bool create_scratch_directory(const std::filesystem::path& directory);
 
-// Uses a directory that exists and is empty, as create_scratch_directory() uses its own: it is noted that it is
-// lent, so that it stays when scratch is removed. False when somebody else has just begun to use it.
+// Uses a directory that exists and is empty, as create_scratch_directory() uses its own: it is noted that it
+// is lent, so that it stays when scratch is removed. False when somebody else has just begun to use it.
 bool use_empty_directory(const std::filesystem::path& directory);
 
 // Makes the folder of the attempt after `latest` out of that of `latest`, or a new one if that is 0, and
@@ -80,9 +80,9 @@ void remove_manifest(const std::filesystem::path& folder);
 // Deletes files; those that are not there are none. Throws Error(kIo).
 void remove_files(const std::filesystem::path& folder, const std::vector<FileId>& files);
 
-// Deletes the folder of the attempt with all our files, the manifest last, and the directory unless it is lent.
-// Does nothing when a later attempt has taken over. Throws Error(kIo) when something cannot be removed, or a file that is
-// not ours lies in it, which stays.
+// Deletes the folder of the attempt with all our files, the manifest last, and the directory unless it is
+// lent. Does nothing when a later attempt has taken over. Throws Error(kIo) when something cannot be removed,
+// or a file that is not ours lies in it, which stays.
 void remove_scratch_directory(const std::filesystem::path& directory, std::uint16_t attempt);
 
 }  // namespace colossus::scratch
