@@ -18,11 +18,14 @@
 namespace colossus::build {
 namespace {
 
+constexpr std::uint64_t kLeastLeafTriangles = 16;
+constexpr std::uint64_t kMostLeafTriangles = 1'000'000'000;  // a leaf is made in memory
+
 void check_options(const cluster::Communicator& ranks, const BuildOptions& options) {
   ranks.attempt([&] {
-    if (options.leaf_triangles < 16)
-      core::fail(core::Status::kUsage, "--leaf-triangles {} is too small; the least is 16",
-                 options.leaf_triangles);
+    if (options.leaf_triangles < kLeastLeafTriangles || options.leaf_triangles > kMostLeafTriangles)
+      core::fail(core::Status::kUsage, "--leaf-triangles {} is out of range; choose {} to {}",
+                 options.leaf_triangles, kLeastLeafTriangles, kMostLeafTriangles);
     if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0.0))
       core::fail(core::Status::kUsage, "--tolerance {} is not a positive length", *options.tolerance);
     codec::codec_named(options.codec);
@@ -194,6 +197,8 @@ BuildReport build_with(const cluster::Communicator& ranks, const BuildOptions& o
 BuildReport build(const cluster::Communicator& ranks, const BuildOptions& options) {
   check_options(ranks, options);
   const Outputs outputs = plan_outputs(ranks, options);
+  core::log("colossus {} build, {} ranks, leaf triangles {}", COLOSSUS_VERSION, ranks.size(),
+            options.leaf_triangles);
   Reporter reporter(ranks, options, outputs);
   BuildReport report;
   std::optional<cluster::AgreedError> failure;

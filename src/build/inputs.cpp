@@ -34,7 +34,7 @@ std::string describe(const InputStamp& stamp) {
 std::vector<core::SparedFile> spared_inputs(std::span<const std::string> arguments) {
   std::vector<core::SparedFile> spared;
   const auto add = [&](const char* role, const std::filesystem::path& path) {
-    core::refuse_descriptor(path);
+    core::check_input_name(path);
     spared.push_back({role, path});
   };
   for (const std::filesystem::path& list : input::lists_of(arguments)) add("the list", list);

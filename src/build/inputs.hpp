@@ -14,7 +14,7 @@
 namespace colossus::build {
 
 // All files of the arguments, and the lists among them, for outputs to spare. Throws Error(kBadData) for a
-// list that cannot be read, and for names that mean a descriptor, such as /dev/stdin.
+// list that cannot be read, and like core::check_input_name().
 std::vector<core::SparedFile> spared_inputs(std::span<const std::string> arguments);
 
 struct InputStamp {

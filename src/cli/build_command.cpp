@@ -42,6 +42,7 @@ void add_build(CLI::App& app, Action& chosen) {
   command
       ->add_option("--leaf-triangles", options->leaf_triangles,
                    "Most triangles per leaf tetrahedron; of blocks: most on average per cube")
+      ->check(count_from(0))
       ->capture_default_str();
   auto* bits =
       command->add_option("--position-bits", options->position_bits, "Bits per barycentric weight, 8 to 16")
@@ -78,8 +79,6 @@ void add_build(CLI::App& app, Action& chosen) {
         cluster::refuse_lone_start(ranks);
         options->command.assign(argv, argv + argc);
         if (!time_limit->empty()) options->time_limit = seconds_of(*time_limit);
-        core::log("colossus {} build, {} ranks, leaf triangles {}", COLOSSUS_VERSION, ranks.size(),
-                  options->leaf_triangles);
         const build::BuildReport report = build::build(ranks, *options);
         if (report.is_dry_run) {
           core::log("done: nothing was built (--dry-run)");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -15,6 +16,12 @@ using Action = std::function<int(int& argc, char**& argv)>;
 inline constexpr const char* kLenientHelp =
     "Let pass, and say so: floats for indices and counts, surplus numbers in a row, prose in headers, other bytes behind "
     "the data";
+
+// For options that take a count. CLI11 would read -1 as the largest number, and cut down larger ones.
+CLI::Validator count_from(std::uint64_t least, std::uint64_t most = ~std::uint64_t{0});
+
+// For options that take a length, which "nan" and "inf" are not.
+CLI::Validator length();
 
 // To stdout. Throws Error(kNoResources) or Error(kIo) when it cannot be written.
 void print(const std::string& text);

@@ -1,6 +1,7 @@
 // info, verify and extract: what a user does with a finished container.
 #include <unistd.h>
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -27,9 +28,12 @@ namespace {
 // overloaded.
 template <typename Visit>
 auto with_statue(const std::string& path, Visit visit) {
-  core::refuse_descriptor(path);
+  core::check_input_name(path);
   return std::visit([&](const auto& statue) { return visit(*statue); }, reader::open(path));
 }
+
+constexpr std::uint64_t kMostLevel = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t kMostSamples = 10'000'000;  // they are held in memory
 
 struct VerifyArguments {
   std::string container;
@@ -46,7 +50,7 @@ int verify_statue(const Statue& statue, const VerifyArguments& arguments) {
   input::LoadedMesh input;
   reader::Surface surface;
   if (!arguments.against.empty()) {
-    build::spared_inputs(arguments.against);  // refuses descriptors
+    build::spared_inputs(arguments.against);  // refuses names that mean a descriptor
     input = input::load_mesh(arguments.against, {arguments.drop_textures, arguments.is_lenient});
     surface = {input.positions, input.triangles};
     options.against = &surface;
@@ -123,6 +127,7 @@ void add_verify(CLI::App& app, Action& chosen) {
       "--against", arguments->against,
       "The input files: compare numbers, bounds and area, and by sampling each level both ways");
   command->add_option("--samples", arguments->samples, "Samples per node with --against")
+      ->check(count_from(1, kMostSamples))
       ->capture_default_str();
   command->add_flag("--drop-textures", arguments->drop_textures, "As for build");
   command->add_flag("--lenient", arguments->is_lenient, kLenientHelp);
@@ -141,12 +146,14 @@ void add_extract(CLI::App& app, Action& chosen) {
   command->add_option("-o,--output", arguments->output, "The PLY file to write")->required();
   CLI::Option_group* cut = command->add_option_group("cut", "Which cut");
   cut->add_option("--level", arguments->level,
-                  "Every tetrahedron or cube of this level, or the leaf above it");
+                  "Every tetrahedron or cube of this level, or the leaf above it")
+      ->check(count_from(0, kMostLevel));
   cut->add_option("--error", arguments->error,
                   "The coarsest cut with at most this error, in the input's units")
-      ->check(CLI::NonNegativeNumber);
+      ->check(length());
   cut->add_option("--triangles", arguments->triangles,
-                  "The finest cut of a fixed order with at most so many triangles");
+                  "The finest cut of a fixed order with at most so many triangles")
+      ->check(count_from(0));
   CLI::Option* eye =
       cut->add_option("--eye", arguments->eye,
                       "The view-dependent cut for an eye at X,Y,Z, in the input's units; blocks are "

@@ -48,8 +48,10 @@ void add_synth(CLI::App& app, Action& chosen) {
   CLI::App* command = app.add_subcommand("synth", "Write a closed, scan-like statue of any size");
   command->add_option("-o,--output", arguments->options.output, "The PLY file to write")->required();
   command->add_option("--triangles", arguments->options.triangles, "About how many triangles")
+      ->check(count_from(1))
       ->capture_default_str();
   command->add_option("--seed", arguments->options.seed, "Another seed, another statue")
+      ->check(count_from(0))
       ->capture_default_str();
   command->add_option(
       "--base", arguments->base,

@@ -135,7 +135,8 @@ void File::close() {
     fail(write_status(errno), "{}: cannot close: {}", path_.string(), std::strerror(errno));
 }
 
-void refuse_descriptor(const std::filesystem::path& input) {
+void check_input_name(const std::filesystem::path& input) {
+  if (input.empty()) fail(Status::kBadData, "expected the name of a file to read, found an empty one");
   if (place_of(input).is_descriptor)
     fail(Status::kBadData, "{}: is an open descriptor; expected the name of a regular file", input.string());
 }

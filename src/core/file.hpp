@@ -59,10 +59,10 @@ class File {
   int descriptor_ = -1;
 };
 
-// Throws Error(kBadData) for names of inputs that mean a descriptor, such as /dev/stdin, also through
-// symbolic links: what that is may differ from rank to rank, and cannot be opened again when a build is
-// resumed.
-void refuse_descriptor(const std::filesystem::path& input);
+// Throws Error(kBadData) for an empty name of an input, and for one that means a descriptor, such as
+// /dev/stdin, also through symbolic links: what that is may differ from rank to rank, and cannot be opened
+// again when a build is resumed.
+void check_input_name(const std::filesystem::path& input);
 
 // All bytes of a file. Throws like File.
 Bytes read_file(const std::filesystem::path& path);
