@@ -1,8 +1,7 @@
-"""What surrounds the bytes: outputs that are inputs or each other, links, devices, pipes, names, launchers."""
+"""Outputs that are inputs or each other, links, devices, pipes; inputs that are no files; scratch folders."""
 import itertools
 import json
 import os
-import re
 import resource
 import signal
 import socket
@@ -12,78 +11,11 @@ import threading
 
 import meshes
 import program
-
-USAGE, BAD_DATA, NO_RESOURCES, CANNOT_CREATE, IO = 2, 65, 69, 73, 74
-MOST_SECONDS = 60
-RANKS = (0, 3)
-ODD_VALUES = ("", ".", "/", "x", "nan", "inf", "-inf", "-1", "0", "1", "1e308", "1.5", "4294967295", "4294967296",
-              "18446744073709551615", "18446744073709551616", "99999999999999999999999")
+from files import BAD_DATA, CANNOT_CREATE, IO, MOST_SECONDS, NO_RESOURCES, RANKS, USAGE, FilesTest
 
 
 def limit_file_size():
     resource.setrlimit(resource.RLIMIT_FSIZE, (200000, 200000))
-
-
-class FilesTest(program.ColossusTest):
-    def setUp(self):
-        super().setUp()
-        meshes.write_ply(self.path("in.ply"), meshes.tube(12, 8))
-
-    def command(self, *arguments, ranks=0):
-        launcher = os.environ["COLOSSUS_MPIEXEC"].split(";") + [str(ranks)] if ranks else []
-        return [*launcher, program.PROGRAM, *(a if isinstance(a, bytes) else str(a) for a in arguments)]
-
-    def run_in_folder(self, *arguments, ranks=0, status=program.OK, stdout=subprocess.PIPE, environment=None, **more):
-        """Names are relative to the test's folder; stdout and stderr are bytes. Any of several statuses is right."""
-        run = subprocess.run(self.command(*arguments, ranks=ranks), cwd=self.folder, stdout=stdout,
-                             stderr=subprocess.PIPE, check=False, timeout=MOST_SECONDS,
-                             env=dict(os.environ, **(environment or {})), **{"stdin": subprocess.DEVNULL, **more})
-        statuses = status if isinstance(status, tuple) else (status,)
-        self.assertIn(run.returncode, statuses, f"{arguments}\n{run.stdout}{run.stderr}")
-        return run
-
-    def tree(self):
-        """All that lies in the test's folder: kind, and bytes or the target of a link."""
-        found = {}
-        for folder, folders, files in os.walk(self.folder):
-            for name in folders + files:
-                path = os.path.join(folder, name)
-                mode = os.lstat(path).st_mode
-                content = None
-                if stat.S_ISLNK(mode):
-                    content = os.readlink(path)
-                elif stat.S_ISREG(mode):
-                    with open(path, "rb") as file:
-                        content = file.read()
-                found[path] = (stat.S_IFMT(mode), content)
-        return found
-
-    def assert_spares(self, *arguments, status=USAGE, texts=(), **more):
-        before = self.tree()
-        run = self.run_in_folder(*arguments, status=status, **more)
-        after = self.tree()
-        self.assertEqual(sorted(after), sorted(before), f"{arguments}: {run.stderr}")
-        self.assertEqual(after, before, f"{arguments}: {run.stderr}")
-        for text in texts:
-            self.assertIn(text, run.stderr.decode(), arguments)
-        return run
-
-    def write(self, name, data=b"precious"):
-        with open(self.path(name), "wb") as file:
-            file.write(data)
-        return name
-
-    def container(self, name="c.h5"):
-        self.run_in_folder("build", "in.ply", "-o", name)
-        return name
-
-    def make_device(self, name, minor):
-        try:
-            os.mknod(self.path(name), 0o666 | stat.S_IFCHR, os.makedev(1, minor))
-            os.close(os.open(self.path(name), os.O_WRONLY))
-        except OSError as error:
-            self.skipTest(f"a device node cannot be made here: {error}")
-        return name
 
 
 class Pairs(FilesTest):
@@ -425,107 +357,6 @@ class Scratch(FilesTest):
         self.write("s/file")
         for options in [], ["--resume"]:
             self.assert_spares("build", "in.ply", "-o", "o.h5", "--scratch", "s", *options, status=CANNOT_CREATE)
-
-
-class Launchers(FilesTest):
-    def test_programs_that_were_started_as_one_of_several(self):
-        for environment in ({"SLURM_NTASKS": "3", "SLURM_STEP_NUM_TASKS": "3", "SLURM_PROCID": "0"}, {"PMI_SIZE": "3"},
-                            {"SLURM_STEP_NUM_TASKS": "3", "SLURM_PROCID": "2"}):
-            run = self.assert_spares("build", "in.ply", "-o", "o.h5", "--status", "st.json", environment=environment)
-            for text in b"3 programs of one rank each", b"srun --mpi=pmix", b"mpirun":
-                self.assertIn(text, run.stderr)
-            self.run_in_folder("synth", "--triangles", 20, "-o", "s.ply", environment=environment)
-            os.remove(self.path("s.ply"))
-
-    def test_programs_that_are_alone(self):
-        for environment in ({}, {"SLURM_JOB_ID": "1", "SLURM_NTASKS": "3", "SLURM_PROCID": "0"},
-                            {"SLURM_NTASKS": "1", "SLURM_STEP_NUM_TASKS": "1", "SLURM_PROCID": "0"}):
-            self.run_in_folder("build", "in.ply", "-o", "o.h5", environment=environment)
-        self.run_in_folder("build", "in.ply", "-o", "o.h5", ranks=1,
-                           environment={"SLURM_NTASKS": "3", "SLURM_STEP_NUM_TASKS": "3"})
-
-
-class Names(FilesTest):
-    def test_that_are_no_utf_8(self):
-        odd, shown = b"sc\xc3\xa4n \xff\\\xc3.ply", "scän \\xff\\\\\\xc3.ply"
-        os.rename(self.path("in.ply"), os.fsencode(self.path("")) + odd)
-        for ranks in RANKS:
-            self.run_in_folder("build", odd, "-o", b"o\xfe.h5", "--report", b"r\xfe.json", "--status", b"s\xfe.json",
-                               ranks=ranks)
-            with open(os.fsencode(self.path("")) + b"r\xfe.json", encoding="utf-8") as file:
-                report = json.load(file)
-            self.assertEqual(report["inputs"][0]["name"], shown)
-            self.assertIn(shown, report["command"])
-            self.assertEqual(report["output"]["path"], "o\\xfe.h5")
-        info = json.loads(self.run_in_folder("info", "--json", b"o\xfe.h5").stdout.decode("utf-8"))
-        self.assertEqual(info["inputs"][0]["name"], shown)
-        self.assertEqual(info["file"]["path"], "o\\xfe.h5")
-        self.run_in_folder("info", b"o\xfe.h5")
-        self.run_in_folder("build", odd, "-o", "none/o.h5", "--report", "r.json", status=CANNOT_CREATE)
-        self.run_in_folder("build", b"\xff", "-o", "o.h5", "--report", "r.json", "--status", "s.json", status=BAD_DATA)
-        with open(self.path("r.json"), encoding="utf-8") as file:
-            self.assertIn("\\xff", json.load(file)["message"])
-        self.run_in_folder("build", odd, "-o", "o.h5", "--scheme", b"\xff", status=USAGE)
-
-    def test_in_the_environment_and_the_folder(self):
-        folder = os.fsencode(self.path("")) + b"\xff"
-        os.mkdir(folder)
-        environment = {**{os.fsencode(k): os.fsencode(v) for k, v in os.environ.items()}, b"SLURM_JOB_NAME": b"\xfe"}
-        run = subprocess.run(self.command("build", "../in.ply", "-o", "o.h5", "--report", "r.json"), cwd=folder,
-                             env=environment, capture_output=True, check=False, timeout=MOST_SECONDS)
-        self.assertEqual(run.returncode, program.OK, run.stderr)
-        with open(folder + b"/r.json", encoding="utf-8") as file:
-            report = json.load(file)
-        self.assertTrue(report["folder"].endswith("\\xff"), report["folder"])
-        self.assertEqual(report["job"]["SLURM_JOB_NAME"], "\\xfe")
-
-    def test_a_valid_name_stays(self):
-        os.rename(self.path("in.ply"), self.path("sc\\ä𝄞n.ply"))
-        self.run_in_folder("build", "sc\\ä𝄞n.ply", "-o", "o.h5")
-        self.assertEqual(self.info(self.path("o.h5"))["inputs"][0]["name"], "sc\\ä𝄞n.ply")
-
-    def test_a_folder_that_was_removed(self):
-        os.mkdir(self.path("gone"))
-        script = ('cd gone && rmdir ../gone && exec "$0" build ../in.ply -o o.h5')
-        run = subprocess.run(["sh", "-c", script, program.PROGRAM], cwd=self.folder, capture_output=True, check=False,
-                             timeout=MOST_SECONDS)
-        self.assertIn(run.returncode, (BAD_DATA, CANNOT_CREATE, IO), run.stderr)
-
-
-class Options(FilesTest):
-    """Odd values never end with 70, by a signal, or not at all; and nonsense is not taken for something else."""
-    RIGHT = (program.OK, USAGE, BAD_DATA, NO_RESOURCES, CANNOT_CREATE)
-
-    def check(self, *arguments, option):
-        for value in ODD_VALUES:
-            run = self.run_in_folder(*arguments, f"{option}={value}", status=self.RIGHT)
-            self.assertNotIn(b"internal error", run.stderr)
-            is_negative_or_none = value.startswith("-") or value in ("nan", "", "x", ".", "/")
-            if is_negative_or_none and option not in ("--eye", "--base"):
-                self.assertEqual(run.returncode, USAGE, f"{arguments} {option}={value}")
-
-    def test_of_build(self):
-        options = ("--leaf-triangles", "--position-bits", "--tolerance", "--levels", "--block-size", "--color-weight",
-                   "--memory", "--time-limit", "--codec", "--scheme")
-        for option, scheme in itertools.product(options, ("diamonds", "blocks")):
-            self.check("build", "in.ply", "-o", "o.h5", *(() if option == "--scheme" else ("--scheme", scheme)),
-                       option=option)
-
-    def test_of_the_other_commands(self):
-        for scheme in "diamonds", "blocks":
-            self.run_in_folder("build", "in.ply", "-o", f"{scheme}.h5", "--scheme", scheme, "--leaf-triangles", 50)
-            for option in "--level", "--error", "--triangles":
-                self.check("extract", f"{scheme}.h5", "-o", "cut.ply", option=option)
-            self.check("extract", f"{scheme}.h5", "-o", "cut.ply", "--eye=0,0,0", option="--kappa")
-            for value in ODD_VALUES:
-                run = self.run_in_folder("extract", f"{scheme}.h5", "-o", "cut.ply", f"--eye={value},0,0", status=self.RIGHT)
-                self.assertTrue(run.returncode == USAGE or re.fullmatch("[-0-9.e]+", value), value)
-            self.check("verify", f"{scheme}.h5", "--against", "in.ply", option="--samples")
-        self.check("synth", "--triangles", 20, "-o", "s.ply", option="--seed")
-        for value in ODD_VALUES:
-            if value not in ("4294967295",):  # which would be made
-                self.run_in_folder("synth", "-o", "s.ply", f"--triangles={value}",
-                                   status=program.OK if value == "1" else USAGE)
 
 
 if __name__ == "__main__":

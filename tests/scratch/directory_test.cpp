@@ -97,6 +97,34 @@ TEST(ScratchDirectory, IsRemovedWithItsFilesButNeverWithOthers) {
     }
 }
 
+TEST(ScratchDirectory, ThatWasThereIsUsedByOneOfTwoAndStays) {
+  const TemporaryDirectory parent;
+  const auto path = parent.path() / "scratch";
+  std::filesystem::create_directory(path);
+  EXPECT_TRUE(look_into_directory(path).is_empty);
+  EXPECT_TRUE(use_empty_directory(path));
+  EXPECT_FALSE(use_empty_directory(path));
+  const DirectoryContent content = look_into_directory(path);
+  EXPECT_TRUE(content.is_lent);
+  EXPECT_FALSE(content.is_empty || content.has_foreign);
+  EXPECT_EQ(content.attempt, 1);
+  append_one(folder_of_attempt(path, 1), {1, 0, 4});
+  EXPECT_EQ(take_attempt(path, 1), 2);
+  remove_scratch_directory(path, 1);
+  EXPECT_TRUE(look_into_directory(path).is_lent);
+  remove_scratch_directory(path, 2);
+  EXPECT_TRUE(look_into_directory(path).is_empty);
+}
+
+TEST(ScratchDirectory, ThatSomebodyHasJustCreatedIsNotTaken) {
+  const TemporaryDirectory parent;
+  const auto path = parent.path() / "scratch";
+  create_scratch_directory(path);  // after it was seen to be empty
+  EXPECT_EQ(status_of([&] { use_empty_directory(path); }), core::Status::kCannotCreate);
+  remove_scratch_directory(path, 1);
+  EXPECT_FALSE(look_into_directory(path).exists);
+}
+
 TEST(ScratchDirectory, IsTakenOverByOneAttemptAndLostToTheEarlierOnes) {
   const TemporaryDirectory parent;
   const auto path = parent.path() / "scratch";
