@@ -98,8 +98,7 @@ class Opening {
   std::uint16_t take_directory(scratch::DirectoryContent content) {
     if (!content.exists || content.is_empty) {
       if (may_resume_) core::log("resume: there is no scratch in {}: starting anew", directory_.string());
-      is_created_ = content.exists ? scratch::use_empty_directory(directory_)
-                                   : scratch::create_scratch_directory(directory_);
+      is_created_ = begin_in(content);
       content = scratch::look_into_directory(directory_);
       if (is_created_) {
         scratch::write_manifest(scratch::folder_of_attempt(directory_, content.attempt), manifest_);
@@ -113,6 +112,15 @@ class Opening {
                  directory_.string());
     if (content.has_foreign) fail_foreign("this is no scratch directory");
     return continue_after(content.attempt);
+  }
+
+  // False when somebody else was faster.
+  bool begin_in(const scratch::DirectoryContent& content) const {
+    if (!content.exists) return scratch::create_scratch_directory(directory_);
+    // What an attempt has created, and could not use or remove any more, is not to stay.
+    if (!may_resume_ || !content.is_ours) return scratch::use_empty_directory(directory_);
+    scratch::take_attempt(directory_, 0);
+    return true;
   }
 
   std::uint16_t continue_after(std::uint16_t latest) const {

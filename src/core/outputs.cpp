@@ -38,8 +38,8 @@ int own_descriptor(const Place& place) {
   int number = -1;
   const auto [end, error] = std::from_chars(place.name.data(), place.name.data() + place.name.size(), number);
   if (error != std::errc() || end != place.name.data() + place.name.size()) return -1;
-  struct stat own {
-  }, folder{};
+  struct stat own {};
+  struct stat folder {};
   if (::stat("/proc/self/fd", &own) != 0 || ::stat(place.folder.c_str(), &folder) != 0) return -1;
   if (own.st_dev != folder.st_dev || own.st_ino != folder.st_ino) return -1;
   // What is not to be inherited was not: it is a file of this program's, or of MPI's.
@@ -146,8 +146,8 @@ OutputTarget target_of(const OutputRequest& request, const Place& place) {
 }  // namespace
 
 bool OutputTarget::is_same_as(int other_descriptor) const {
-  struct stat mine {
-  }, other{};
+  struct stat mine {};
+  struct stat other {};
   return ::stat(path.c_str(), &mine) == 0 && ::fstat(other_descriptor, &other) == 0 &&
          mine.st_dev == other.st_dev && mine.st_ino == other.st_ino;
 }

@@ -22,8 +22,8 @@ bool is_same_inode(const struct stat& a, const struct stat& b) {
 }
 
 bool is_same_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
-  struct stat at_a {
-  }, at_b{};
+  struct stat at_a {};
+  struct stat at_b {};
   const bool has_a = ::stat(a.c_str(), &at_a) == 0;
   const bool has_b = ::stat(b.c_str(), &at_b) == 0;
   if (has_a != has_b) return false;
