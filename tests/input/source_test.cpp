@@ -22,7 +22,7 @@ TEST(Source, ContentDecidesBeforeTheExtension) {
 TEST(Source, FilesThatAreNoMeshAreBadData) {
   const TemporaryFolder folder;
   expect_bad(folder.path() / "missing.ply", {"cannot open"});
-  expect_bad(folder.path(), {"not a file"});
+  expect_bad(folder.path(), {"is a folder", "expected a regular file"});
   expect_bad(folder.write("empty.ply", ""), {"is empty"});
   expect_bad(folder.write("a.ply.gz", "\x1f\x8b\x08"), {"gzip"});
   expect_bad(folder.write("a.txt", "hello\n"), {"unknown format", "PLY, OBJ, STL or OFF"});
