@@ -32,11 +32,11 @@ struct Counter {
            const geometry::Bounds& bounds) {
     const Bytes raw = workspace.reader.read(block.record);
     ByteReader reader(raw);
-    reader.get<std::array<std::uint64_t, 2>>();
+    reader.get<RawVerticesHeader>();
     std::uint32_t last_key = 0;
     std::uint32_t* last = nullptr;
     for (const auto& position : reader.get_array<std::array<double, 3>>(block.count)) {
-      // Only vertices that no triangle uses lie outside.
+      // Only vertices that no triangle uses lie outside, or nowhere.
       if (!bounds.contains(position)) continue;
       const geometry::Point p = lattice.input_vertex(position);
       std::array<std::uint8_t, 3> at;

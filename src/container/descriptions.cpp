@@ -173,6 +173,7 @@ constexpr Meaning kRows[] = {
      "true: a few far corners were accepted although they make the lattice coarse"},
     {"options", "drop_textures",
      "true: the input had texture coordinates or materials, which are not stored"},
+    {"options", "lenient", "true: what many writers do wrong was let pass, with a warning"},
     {"options", "block_size", "Cubes along each axis of the blocks in which levels were simplified"},
     {"options", "levels", "Number of the deepest level"},
     {"options", "color_weight", "Mean edge lengths that a full change of colour counts when simplifying"},
