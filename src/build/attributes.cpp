@@ -215,14 +215,14 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
   return records;
 }
 
-void log_counts(const Catalog& catalog) {
+void log_counts(const cluster::Communicator& ranks, const Catalog& catalog) {
   const InputCounts& c = catalog.counts;
   core::log(
       "partition: {} degenerate, {} duplicate and {} opposite triangles dropped, {} collapsed; {} collinear "
       "ones stay; {} border, {} non-manifold and {} inconsistently oriented edges",
       c.degenerate, c.duplicate, c.opposite, c.collapsed, c.collinear, c.border_edges, c.nonmanifold_edges,
       c.inconsistent_edges);
-  if (catalog.has_face_colors && c.color_seams > 0)
+  if (ranks.is_root() && catalog.has_face_colors && c.color_seams > 0)
     core::warn("{}: {} vertices lie between faces of different colours, which are averaged",
                catalog.input_name(), c.color_seams);
 }

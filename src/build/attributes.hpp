@@ -25,7 +25,7 @@ std::vector<BucketRecord> give_attributes(const Workspace& workspace, Catalog& c
                                           const Rounding& rounding);
 
 // What became of the input's triangles, its edges, and the colours of its faces.
-void log_counts(const Catalog& catalog);
+void log_counts(const cluster::Communicator& ranks, const Catalog& catalog);
 
 // A bucket as a task, and its mesh with all attributes.
 core::Bytes bucket_task(const BucketRecord& bucket);

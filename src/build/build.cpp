@@ -41,7 +41,8 @@ void log_survey(const Catalog& catalog) {
       c.vertices, c.triangles, c.polygons, c.small_faces);
 }
 
-void log_polygons(const Catalog& catalog) {
+void log_polygons(const cluster::Communicator& ranks, const Catalog& catalog) {
+  if (!ranks.is_root()) return;
   const InputCounts& c = catalog.counts;
   if (c.concave_polygons > 0) core::log("polygons: {} of {} are concave", c.concave_polygons, c.polygons);
   if (c.warped_polygons > 0)
@@ -87,7 +88,7 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme,
   if (report.is_dry_run) return report;
   answer_requests(workspace, catalog, groups);
   cut_polygons(workspace, catalog, groups);
-  log_polygons(catalog);
+  log_polygons(ranks, catalog);
   release_phases_up_to(workspace, survey_phase);
   measure_median_edge(workspace, catalog, groups);
   ranks.attempt([&] { refuse_far_corner(workspace.options, catalog, 2.0 * catalog.lattice.input_error()); });

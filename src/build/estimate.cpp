@@ -56,7 +56,9 @@ class Estimator {
 
   // Beyond what the program takes after the survey.
   double task_memory() const {
-    const double buckets = std::min(31 * kMiB, 4 * kMiB + 110.0 * triangles_);
+    // Where each corner is a vertex of its own, more of them are held at a time.
+    const double corners = catalog_.has_face_colors ? 1.6 : vertices_ > 2.0 * triangles_ ? 1.3 : 1.0;
+    const double buckets = corners * std::min(31 * kMiB, 4 * kMiB + 110.0 * triangles_);
     const double range =
         43.0 * std::clamp(std::exp2(std::ceil(std::log2(vertices_ / 64 + 1))), 131072.0, 1048576.0);
     const double groups = far_share_ * 150.0 * std::min(group(), triangles_);

@@ -39,7 +39,7 @@ Hierarchy build_blocks(const Workspace& workspace, Catalog& catalog, std::vector
   });
   CubePartition partition = partition_cubes(workspace, catalog, grid, groups);
   groups = {};
-  log_counts(catalog);
+  log_counts(workspace.ranks, catalog);
   const std::uint64_t peak = greatest_peak_memory(workspace.ranks);
   core::log("partition: {} edges too long for their cubes split, peak memory {} MB",
             catalog.counts.split_edges, peak >> 20);

@@ -72,7 +72,7 @@ void choose_precision(const BuildOptions& options, const Catalog& catalog, const
 void log_partition(const cluster::Communicator& ranks, const Catalog& catalog, const Partition& partition) {
   std::uint64_t triangles = 0;
   for (const TetrahedronRecord& leaf : partition.leaves) triangles += leaf.triangles;
-  log_counts(catalog);
+  log_counts(ranks, catalog);
   const std::uint64_t peak = greatest_peak_memory(ranks);
   core::log("partition: {} triangles in {} leaf tetrahedra, peak memory {} MB", triangles,
             partition.leaves.size(), peak >> 20);
