@@ -123,8 +123,35 @@ void BucketMesh::place(Piece&& piece) {
   others_.erase(std::unique(others_.begin(), others_.end(),
                             [&](const Other& a, const Other& b) { return key(a) == key(b); }),
                 others_.end());
+  std::vector<std::uint64_t> first_vertices(places_.vertices.size());
+  for (std::size_t v = 0; v < first.size(); ++v)
+    if (renumbered[first[v]] != kNone)
+      first_vertices[renumbered[first[v]]] = vertex_number(piece.numbers[first[v]]);
+  mark_corners(first_vertices);
+}
+
+// Corners of faces with colours whose vertex is the place's first, or that of an earlier one. Counts the
+// vertices.
+void BucketMesh::mark_corners(std::span<const std::uint64_t> first_vertices) {
   vertex_counts_.assign(places_.vertices.size(), 1);
-  for (const Other& other : others_) ++vertex_counts_[other.place];
+  std::vector<std::uint64_t> numbers;  // of the real vertices at a place, which come first
+  for (std::size_t begin = 0; begin < others_.size();) {
+    const std::uint32_t place = others_[begin].place;
+    numbers.clear();
+    std::uint64_t last = first_vertices[place];
+    std::size_t i = begin;
+    for (; i < others_.size() && others_[i].place == place; ++i) {
+      Other& other = others_[i];
+      const std::uint64_t vertex = vertex_number(other.number);
+      const bool may_be_corner = other.number >= kFaceCornerNumbers;
+      if (!may_be_corner) numbers.push_back(other.number);
+      other.is_corner = may_be_corner && (vertex == first_vertices[place] || vertex == last ||
+                                          std::binary_search(numbers.begin(), numbers.end(), vertex));
+      last = vertex;
+      vertex_counts_[place] += other.is_corner ? 0 : 1;
+    }
+    begin = i;
+  }
 }
 
 void BucketMesh::give_attributes() {
@@ -143,11 +170,12 @@ void BucketMesh::give_attributes() {
     bool has_other_normal = false;
     bool has_other_color = false;
     for (; i < others_.size() && others_[i].place == p; ++i) {
-      read.add(others_[i].normal);
       color.add(others_[i].color);
-      merged += others_[i].number < kFaceCornerNumbers ? 1 : 0;
-      has_other_normal |= others_[i].normal != v.normal;
       has_other_color |= others_[i].color != v.color;
+      if (others_[i].is_corner) continue;
+      read.add(others_[i].normal);
+      ++merged;
+      has_other_normal |= others_[i].normal != v.normal;
     }
     if (!is_owned) continue;
     counts_.merged_vertices += merged;

@@ -82,6 +82,7 @@ class BucketMesh {
 
  private:
   void place(Piece&& piece);
+  void mark_corners(std::span<const std::uint64_t> first_vertices);
   void give_attributes();
   void sum_cross_products(std::vector<bool>& is_unknown);
   void average_rounded();
@@ -112,6 +113,8 @@ class BucketMesh {
     mesh::Normal16 normal;
     mesh::Color color;
     std::uint64_t number;
+    bool is_corner =
+        false;  // of a face with a colour, and another one has brought its vertex: only the colour counts
   };
 
   Rounding rounding_;

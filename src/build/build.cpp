@@ -36,8 +36,8 @@ void check_options(const cluster::Communicator& ranks, const BuildOptions& optio
 void log_survey(const Catalog& catalog) {
   const InputCounts& c = catalog.counts;
   core::log(
-      "survey: {} vertices, {} triangles ({} polygons among the faces, {} with fewer than 3 corners "
-      "skipped)",
+      "survey: {} vertices, {} triangles (polygons among the faces: {}; with fewer than 3 corners, skipped: "
+      "{})",
       c.vertices, c.triangles, c.polygons, c.small_faces);
 }
 
@@ -46,11 +46,8 @@ void log_polygons(const cluster::Communicator& ranks, const Catalog& catalog) {
   const InputCounts& c = catalog.counts;
   if (c.concave_polygons > 0) core::log("polygons: {} of {} are concave", c.concave_polygons, c.polygons);
   if (c.warped_polygons > 0)
-    core::warn(
-        "{}: {} of {} polygons are warped, far off their own plane: other triangles are as good as those "
-        "made of "
-        "them",
-        catalog.input_name(), c.warped_polygons, c.polygons);
+    core::warn("{}: {} of {} polygons are warped: their corners lie far off their own plane",
+               catalog.input_name(), c.warped_polygons, c.polygons);
   if (c.crossing_polygons > 0)
     core::warn("{}: {} of {} polygons cross themselves, and are triangulated as well as can be",
                catalog.input_name(), c.crossing_polygons, c.polygons);
@@ -87,9 +84,9 @@ BuildReport run_phases(const Workspace& workspace, const Scheme& scheme,
   report.is_dry_run = workspace.options.is_dry_run;
   if (report.is_dry_run) return report;
   answer_requests(workspace, catalog, groups);
+  release_phases_up_to(workspace, survey_phase);
   cut_polygons(workspace, catalog, groups);
   log_polygons(ranks, catalog);
-  release_phases_up_to(workspace, survey_phase);
   measure_median_edge(workspace, catalog, groups);
   ranks.attempt([&] { refuse_far_corner(workspace.options, catalog, 2.0 * catalog.lattice.input_error()); });
   const Hierarchy hierarchy = scheme.build(workspace, catalog, std::move(groups));
@@ -149,7 +146,8 @@ Attempt attempt_build(const cluster::Communicator& ranks, const BuildOptions& op
   Attempt attempt;
   std::optional<OpenedScratch> opened;
   try {
-    opened.emplace(open_scratch(ranks, outputs.scratch, options.resume, manifest_of(options, inputs)));
+    opened.emplace(
+        open_scratch(ranks, outputs.scratch, options.resume, manifest_of(options, inputs), !options.scratch));
   } catch (const cluster::AgreedError& error) {
     if (error.status() != core::Status::kStopped) throw;
     attempt.failure = error;

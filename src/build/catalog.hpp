@@ -119,6 +119,7 @@ struct Catalog {
   bool has_normals = false;  // at least one file has them; the others' are computed
   bool has_colors = false;   // at least one file has them; the others become white
   bool has_face_colors = false;
+  bool has_both_readings = false;  // of colours, in scratch
 
   // For messages.
   std::string input_name() const { return files.size() == 1 ? files[0].name : "all inputs"; }

@@ -87,15 +87,20 @@ class Estimator {
     const double near = 1.05 * vertices_ / triangles_;
     const double answered = near + far_share_ * (far_vertices_per_triangle() - near);
     const double in_pieces = 1.15 * near + far_share_ * (3.0 - 1.15 * near);
-    const double survey = 12.0 + raw_bytes * vertices_ / triangles_;
-    const double requests = 12.0 + 4.0 * answered;
+    const double polygons = 8.0 * static_cast<double>(catalog_.counts.polygons) / triangles_;
+    const double other_reading = catalog_.has_both_readings ? 4.0 : 0.0;
+    const double face_color = catalog_.has_face_colors ? 4.0 + other_reading : 0.0;
+    const double survey = 12.0 + polygons + face_color + (raw_bytes + other_reading) * vertices_ / triangles_;
+    const double group_triangles = 12.0 + polygons + (catalog_.has_face_colors ? 5.0 : 0.0);
+    const double requests = group_triangles + 4.0 * answered;
+    const double cut = polygons > 0.0 ? group_triangles : 0.0;
     const double answers = (4.0 + vertex_bytes) * answered;
     const double pieces = (8.0 + vertex_bytes) * in_pieces + 6.0;
     const double samples = (is_blocks_ ? 14e3 : 82e3) / leaf_;
     const double few_nodes = is_blocks_ ? 0.0 : std::min(2.2e6 / triangles_, 23.0);
     const double kept = is_blocks_ ? 0.0 : 0.7 * output() / triangles_;
     const double levels = (is_blocks_ ? 48.0 : 57.0) + samples + few_nodes + kept;
-    return triangles_ * std::max({survey + requests + answers, requests + answers + pieces, levels});
+    return triangles_ * std::max({survey + requests + answers, requests + answers + cut + pieces, levels});
   }
 
   // All triangles of all nodes, per triangle of the input. A few tetrahedra have many coarse nodes above

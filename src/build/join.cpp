@@ -6,6 +6,7 @@
 #include "build/fingerprint.hpp"
 #include "build/phase.hpp"
 #include "build/radix_sort.hpp"
+#include "cluster/stop.hpp"
 #include "input/polygons.hpp"
 
 namespace colossus::build {
@@ -22,6 +23,8 @@ constexpr std::uint64_t kLeastGroup = std::uint64_t{1} << 17;
 constexpr std::uint64_t kMostGroup = std::uint64_t{1} << 19;
 constexpr std::uint64_t kLeastRange = std::uint64_t{1} << 17;
 constexpr std::uint64_t kMostRange = std::uint64_t{1} << 20;
+// Of polygons, between looks whether a stop is requested.
+constexpr std::uint64_t kCornersPerLook = 4096;
 
 // A corner's number within its group, in the low bits of a sort key.
 constexpr int kCornerBits = 21;
@@ -48,6 +51,7 @@ std::vector<std::size_t> group_begins(const Catalog& catalog) {
 struct GroupTask {
   std::uint64_t begin = 0;  // of the triangle blocks
   std::uint64_t end = 0;
+  std::uint64_t first = 0;  // triangle, over all files
 };
 
 // The triangles of a group as they lie in scratch, and what belongs to them.
@@ -111,7 +115,7 @@ std::vector<std::uint64_t> sorted_corners(const Workspace& workspace, const Cata
                                           const GroupTask& task, std::uint64_t& first_number,
                                           GroupTriangles& group) {
   std::size_t count = 0;
-  for (std::uint64_t i = 0; i < task.begin; ++i) group.first += catalog.triangle_blocks[i].count;
+  group.first = task.first;
   for (std::uint64_t i = task.begin; i < task.end; ++i) count += catalog.triangle_blocks[i].count;
   std::vector<std::uint64_t> keys;
   keys.reserve(3 * count);
@@ -313,11 +317,16 @@ void visit_requested(const Workspace& workspace, const Catalog& catalog, std::sp
 std::vector<TriangleGroup> request_vertices(const Workspace& workspace, const Catalog& catalog) {
   const std::vector<std::size_t> begins = group_begins(catalog);
   std::vector<TriangleGroup> groups(workspace.ranks.is_root() ? begins.size() - 1 : 0);
+  std::vector<std::uint64_t> firsts{0};
+  for (std::size_t g = 0; g + 1 < begins.size(); ++g) {
+    firsts.push_back(firsts.back());
+    for (std::size_t i = begins[g]; i < begins[g + 1]; ++i) firsts.back() += catalog.triangle_blocks[i].count;
+  }
   run_phase(
       workspace, "requests", begins.size() - 1,
       [&](std::size_t i) {
         ByteWriter writer;
-        writer.put(GroupTask{begins[i], begins[i + 1]});
+        writer.put(GroupTask{begins[i], begins[i + 1], firsts[i]});
         return writer.take();
       },
       [&](std::span<const std::byte> task) {
@@ -375,15 +384,20 @@ void load_slices(const Workspace& workspace, const Catalog& catalog, const Trian
 
 // Only so are colours of faces averaged over all triangles around a position, whichever bucket has them.
 void give_corners_vertices(const GroupTriangles& group, Piece& piece) {
+  const std::size_t corners =
+      3 * static_cast<std::size_t>(std::count(group.is_colored.begin(), group.is_colored.end(), 1));
+  piece.vertices.reserve(piece.vertices.size() + corners);
+  piece.numbers.reserve(piece.numbers.size() + corners);
   for (std::size_t i = 0; i < piece.triangles.size(); ++i) {
     if (group.is_colored[i] == 0) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       auto& v = piece.triangles[i][k];
       mesh::Vertex vertex = piece.vertices[v];
+      const std::uint64_t number = piece.numbers[v];
       vertex.color = group.colors[i];
       v = static_cast<std::uint32_t>(piece.vertices.size());
       piece.vertices.push_back(vertex);
-      piece.numbers.push_back(kFaceCornerNumbers + 3 * (group.first + i) + k);
+      piece.numbers.push_back(face_corner_number(number, 3 * (group.first + i) + k));
     }
   }
 }
@@ -399,9 +413,15 @@ CutGroup cut_group(const Workspace& workspace, const Catalog& catalog, const Tri
   load_slices(workspace, catalog, group, piece);
   GroupTriangles content = GroupTriangles::load(workspace, group);
   input::PolygonCutter cutter;
-  for (const input::Polygon& polygon : content.polygons)
+  std::uint64_t corners = kCornersPerLook;
+  for (const input::Polygon& polygon : content.polygons) {
+    if ((corners += polygon.corners) >= kCornersPerLook) {
+      cluster::throw_if_stop_requested();
+      corners = 0;
+    }
     cutter.cut(std::span(content.triangles).subspan(polygon.first, polygon.corners - 2),
                [&](std::uint32_t v) { return piece.vertices[v].position; });
+  }
   workspace.reporter.add_triangles(group.triangle_count);
   return {content.store(workspace), cutter.odd()};
 }

@@ -32,8 +32,18 @@ class PackedVertices {
   std::vector<mesh::Color> colors_;
 };
 
-// Numbers of vertices that stand for corners of triangles whose face has a colour.
-inline constexpr std::uint64_t kFaceCornerNumbers = std::uint64_t{1} << 62;
+// Numbers of vertices that stand for corners of triangles whose face has a colour: they tell of which vertex,
+// and, but for one in 2^27, of which corner. Those of real vertices are smaller.
+inline constexpr std::uint64_t kFaceCornerNumbers = std::uint64_t{1} << 63;
+inline constexpr int kFaceCornerBits = 27;
+constexpr std::uint64_t face_corner_number(std::uint64_t vertex, std::uint64_t corner) {
+  return kFaceCornerNumbers | vertex << kFaceCornerBits |
+         (corner & ((std::uint64_t{1} << kFaceCornerBits) - 1));
+}
+// The vertex's own number.
+constexpr std::uint64_t vertex_number(std::uint64_t number) {
+  return number < kFaceCornerNumbers ? number : (number ^ kFaceCornerNumbers) >> kFaceCornerBits;
+}
 
 // Any two vertices have different numbers; positions may be equal. Those without a triangle may be there in a
 // group whose faces have colours only.

@@ -44,8 +44,12 @@ std::uint64_t random_number() {
 class Opening {
  public:
   Opening(const cluster::Communicator& ranks, const std::filesystem::path& directory, bool may_resume,
-          const scratch::Manifest& manifest)
-      : ranks_(ranks), directory_(directory), may_resume_(may_resume), manifest_(manifest) {}
+          const scratch::Manifest& manifest, bool is_own_name)
+      : ranks_(ranks),
+        directory_(directory),
+        may_resume_(may_resume),
+        manifest_(manifest),
+        is_own_name_(is_own_name) {}
 
   OpenedScratch run() {
     try {
@@ -105,6 +109,11 @@ class Opening {
         return content.attempt;
       }
     }
+    if (content.has_foreign && content.attempt == 0)
+      core::fail(Status::kCannotCreate,
+                 "{}: this folder is not empty, and is no scratch directory: choose another or an empty one "
+                 "with --scratch",
+                 directory_.string());
     if (!may_resume_)
       core::fail(Status::kCannotCreate,
                  "{}: the scratch directory exists already: another build is using it, or was interrupted; "
@@ -117,8 +126,7 @@ class Opening {
   // False when somebody else was faster.
   bool begin_in(const scratch::DirectoryContent& content) const {
     if (!content.exists) return scratch::create_scratch_directory(directory_);
-    // What an attempt has created, and could not use or remove any more, is not to stay.
-    if (!may_resume_ || !content.is_ours) return scratch::use_empty_directory(directory_);
+    if (!may_resume_ || !is_own_name_) return scratch::use_empty_directory(directory_);
     scratch::take_attempt(directory_, 0);
     return true;
   }
@@ -253,6 +261,7 @@ class Opening {
   const std::filesystem::path& directory_;
   bool may_resume_;
   const scratch::Manifest& manifest_;
+  bool is_own_name_;
   Location location_;
   Announcement announcement_;
   std::optional<scratch::JournalWriter> journal_;
@@ -265,8 +274,8 @@ class Opening {
 }  // namespace
 
 OpenedScratch open_scratch(const cluster::Communicator& ranks, const std::filesystem::path& directory,
-                           bool may_resume, const scratch::Manifest& manifest) {
-  return Opening(ranks, directory, may_resume, manifest).run();
+                           bool may_resume, const scratch::Manifest& manifest, bool is_own_name) {
+  return Opening(ranks, directory, may_resume, manifest, is_own_name).run();
 }
 
 }  // namespace colossus::build

@@ -22,7 +22,10 @@ struct OpenedScratch {
 // - Error(kUsage) when it belongs to another build; the message says what differs;
 // - Error(kIo) when a rank does not see the directory, and for failures of the file system.
 // Leaves no directory behind that it has created when it throws.
+//
+// An empty directory of the name that builds give it themselves (`is_own_name`), which a build is to be
+// resumed in, has been left by one that was killed, and does not stay.
 OpenedScratch open_scratch(const cluster::Communicator& ranks, const std::filesystem::path& directory,
-                           bool may_resume, const scratch::Manifest& manifest);
+                           bool may_resume, const scratch::Manifest& manifest, bool is_own_name = false);
 
 }  // namespace colossus::build

@@ -288,6 +288,16 @@ class Survey {
     }
   }
 
+  static void log_scale(const input::SourceInfo& info, const input::Remarks& remarks,
+                        const input::ColorScale& scale) {
+    const auto text = [](bool is_unit) { return is_unit ? "0 to 1" : "0 to 255"; };
+    if (remarks.has_open_colors())
+      core::log("input {}: colours from {}", info.path.string(), text(scale.is_color_unit));
+    if (remarks.has_open_alpha() &&
+        (!remarks.has_open_colors() || scale.is_alpha_unit != scale.is_color_unit))
+      core::log("input {}: alpha of colours from {}", info.path.string(), text(scale.is_alpha_unit));
+  }
+
   // What only all parts of a file tell. On rank 0.
   void settle_files() {
     for (std::size_t f = 0; f < sources_.size(); ++f) {
@@ -299,14 +309,13 @@ class Survey {
       for (const std::string& warning : input::warnings_of(info, remarks)) core::warn_line(warning);
       const input::ColorScale scale = input::scale_of(info, remarks);
       catalog_.color_scales.push_back(scale);
-      if (remarks.greatest_color >= 0.0)
-        core::log("input {}: colours from 0 to {}{}", info.path.string(), scale.is_color_unit ? "1" : "255",
-                  remarks.greatest_alpha < 0.0 || scale.is_alpha_unit == scale.is_color_unit ? ""
-                  : scale.is_alpha_unit ? ", alpha from 0 to 1"
-                                        : ", alpha from 0 to 255");
+      log_scale(info, remarks, scale);
+      if (remarks.has_colors != 0 && !info.has_colors)
+        core::log("input {}: has colours of faces", info.path.string());
       catalog_.files[f].has_colors = remarks.has_colors != 0;
       catalog_.has_colors |= catalog_.files[f].has_colors;
       catalog_.has_face_colors |= catalog_.files[f].has_colors && info.has_face_colors;
+      catalog_.has_both_readings |= catalog_.files[f].has_colors && info.has_both_readings;
       catalog_.counts.polygons += remarks.polygons;
       catalog_.counts.small_faces += remarks.small;
     }
@@ -321,11 +330,11 @@ class Survey {
   }
 
   void share() {
-    std::array<std::uint8_t, 2> colors{catalog_.has_colors ? std::uint8_t{1} : std::uint8_t{0},
-                                       catalog_.has_face_colors ? std::uint8_t{1} : std::uint8_t{0}};
+    std::array<bool, 3> colors{catalog_.has_colors, catalog_.has_face_colors, catalog_.has_both_readings};
     broadcast_value(workspace_.ranks, colors);
-    catalog_.has_colors = colors[0] != 0;
-    catalog_.has_face_colors = colors[1] != 0;
+    catalog_.has_colors = colors[0];
+    catalog_.has_face_colors = colors[1];
+    catalog_.has_both_readings = colors[2];
     broadcast_values(workspace_.ranks, catalog_.color_scales);
     broadcast_values(workspace_.ranks, catalog_.vertex_blocks);
     broadcast_values(workspace_.ranks, catalog_.triangle_blocks);

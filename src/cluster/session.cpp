@@ -22,6 +22,15 @@ using detail::check_mpi;
 // How long a rank that failed alone waits for the others to come to the end, too.
 constexpr std::chrono::milliseconds kGrace{500};
 
+// The number that a variable holds, 0 for none.
+long number_of(const char* variable) {
+  const char* text = std::getenv(variable);
+  return text == nullptr ? 0 : std::strtol(text, nullptr, 10);
+}
+
+// As the launcher has set it: MPI_Init sets it, too.
+long pmix_rank_before_start = -1;
+
 bool started_by_a_launcher() {
   constexpr std::array kVariables = {
       "OMPI_COMM_WORLD_SIZE", "PMIX_RANK",  "PMIX_NAMESPACE", "PMI_RANK", "PMI_FD", "PMI_SIZE",
@@ -39,12 +48,6 @@ void prepare_to_run_alone() {
   setenv("OMPI_MCA_orte_create_session_dirs", "0", kKeep);
   setenv("OMPI_MCA_pml", "ob1", kKeep);
   setenv("OMPI_MCA_btl", "self", kKeep);
-}
-
-// The number that a variable holds, 0 for none.
-long number_of(const char* variable) {
-  const char* text = std::getenv(variable);
-  return text == nullptr ? 0 : std::strtol(text, nullptr, 10);
 }
 
 MPI_Comm duplicate_world() {
@@ -132,6 +135,7 @@ Session::Session(int& argc, char**& argv) : exceptions_at_start_(std::uncaught_e
   int initialized = 0;
   MPI_Initialized(&initialized);
   if (initialized != 0) core::fail(core::Status::kInternal, "MPI is initialised twice");
+  pmix_rank_before_start = number_of("PMIX_RANK");
   if (!started_by_a_launcher()) prepare_to_run_alone();
   int provided = MPI_THREAD_SINGLE;
   check_mpi(MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
@@ -158,7 +162,7 @@ void refuse_lone_start(const Communicator& world) {
   // mpirun of our MPI says how many there are, and has made the world so.
   if (world.size() > 1 || std::getenv("OMPI_COMM_WORLD_SIZE")) return;
   const long count = std::max({number_of("SLURM_STEP_NUM_TASKS"), number_of("PMI_SIZE"), 1L});
-  const bool is_one_of_several = count > 1 || number_of("PMIX_RANK") > 0 || number_of("PMI_RANK") > 0;
+  const bool is_one_of_several = count > 1 || pmix_rank_before_start > 0 || number_of("PMI_RANK") > 0;
   if (!is_one_of_several) return;
   core::fail(
       core::Status::kUsage,

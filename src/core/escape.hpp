@@ -7,8 +7,8 @@
 namespace colossus::core {
 
 // A text of valid UTF-8 as it is. In any other, as the name of a file may be, each byte that is part of no
-// valid sequence becomes \xNN (lower case hexadecimal) and each backslash becomes two, so that it can be read
-// back.
+// valid sequence becomes \xNN (lower case hexadecimal) and each backslash becomes two. (A valid name that
+// looks like such a text is the same text; nobody has to read it back.)
 std::string escaped_text(std::string_view text);
 
 // All texts in a JSON value, and the names of its members.

@@ -58,6 +58,9 @@ File File::open_for_reading(const std::filesystem::path& path) {
   struct stat info {};
   if (::stat(path.c_str(), &info) == 0) require_regular(path, info);
   file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  // Where somebody else has a lease on the file, opening waits until it is given back.
+  if (file.descriptor_ < 0 && errno == EWOULDBLOCK)
+    file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
   if (file.descriptor_ < 0 || ::fstat(file.descriptor_, &info) != 0)
     fail(Status::kBadData, "{}: cannot open: {}", path.string(), std::strerror(errno));
   require_regular(path, info);
@@ -137,8 +140,11 @@ void File::close() {
 
 void check_input_name(const std::filesystem::path& input) {
   if (input.empty()) fail(Status::kBadData, "expected the name of a file to read, found an empty one");
-  if (place_of(input).is_descriptor)
+  const Place place = place_of(input);
+  if (place.is_descriptor)
     fail(Status::kBadData, "{}: is an open descriptor; expected the name of a regular file", input.string());
+  if (is_in_proc(place.path))
+    fail(Status::kBadData, "{}: is a file of /proc; expected a regular file on a disk", input.string());
 }
 
 Bytes read_file(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -21,15 +22,26 @@ constexpr int kPatienceMilliseconds = 50;
 
 OutputFile::OutputFile(OutputTarget target, WhileWaiting while_waiting)
     : target_(std::move(target)), while_waiting_(std::move(while_waiting)) {
-  if (target_.is_stream)
+  if (target_.is_stream) {
     open_stream();
-  else
-    file_ = File::create_anew(part_of(target_.path));
+    return;
+  }
+  file_ = File::create_anew(part_of(target_.path));
+  struct stat info {};
+  if (::fstat(file_.descriptor(), &info) != 0)
+    fail(Status::kIo, "{}: cannot stat: {}", file_.path().string(), std::strerror(errno));
+  inode_ = {info.st_dev, info.st_ino};
 }
 
 OutputFile::~OutputFile() {
   if (stream_ >= 0) ::close(stream_);
-  if (!target_.is_stream && !is_committed_) ::unlink(part_of(target_.path).c_str());
+  if (!target_.is_stream && !is_committed_ && has_part()) ::unlink(part_of(target_.path).c_str());
+}
+
+// Whether the name still leads to our file: another process may have begun another one since.
+bool OutputFile::has_part() const {
+  struct stat info {};
+  return ::stat(part_of(target_.path).c_str(), &info) == 0 && inode_ == std::pair(info.st_dev, info.st_ino);
 }
 
 // What was given to us open is written on from where it stands: it may be one of several that write to a
@@ -103,6 +115,9 @@ void OutputFile::commit(Durability durability) {
   if (is_to_be_synced) file_.sync();
   file_.close();
   const std::filesystem::path part = part_of(target_.path);
+  if (!has_part())
+    fail(Status::kIo, "{}: was removed or replaced while it was written: does another program write it?",
+         part.string());
   if (::rename(part.c_str(), target_.path.c_str()) != 0)
     fail(create_status(errno), "{}: cannot rename to {}: {}", part.string(), target_.path.string(),
          std::strerror(errno));

@@ -1,9 +1,12 @@
 // An output while it is written, from front to back: a file that appears when it is complete, or a stream.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <utility>
 
 #include "core/file.hpp"
 #include "core/outputs.hpp"
@@ -28,17 +31,20 @@ class OutputFile {
   void append(std::span<const std::byte> bytes);
 
   enum class Durability { kNone, kOnTheDevice };
-  // Closes, and renames a file. Throws Error(kIo), Error(kNoResources) or Error(kCannotCreate).
+  // Closes, and renames a file. Throws Error(kIo), also when another process has put something else under the
+  // name of the part, Error(kNoResources) or Error(kCannotCreate).
   void commit(Durability durability);
 
  private:
   void open_stream();
   void wait_for_room();
   void sync_stream();
+  bool has_part() const;
 
   OutputTarget target_;
   WhileWaiting while_waiting_;
-  File file_;  // PATH.part
+  File file_;                      // PATH.part
+  std::pair<dev_t, ino_t> inode_;  // of it
   std::uint64_t size_ = 0;
   int stream_ = -1;
   bool is_committed_ = false;

@@ -171,8 +171,9 @@ std::vector<OutputTarget> plan_outputs(std::span<const SparedFile> spared,
         {fmt::format("{} (the name of {} while it is written)", part.string(), full_name(request)),
          place_of(part), owner, true, false});
   }
-  for (std::size_t i = 0; i < names.size(); ++i)
-    for (std::size_t j = i + 1; j < names.size(); ++j) check_conflict(names[i], names[j]);
+  // Inputs are not compared with each other: there may be very many.
+  for (std::size_t j = spared.size(); j < names.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) check_conflict(names[i], names[j]);
   std::vector<OutputTarget> targets;
   for (std::size_t i = 0; i < requests.size(); ++i) targets.push_back(target_of(requests[i], places[i]));
   return targets;

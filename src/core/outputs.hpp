@@ -49,12 +49,11 @@ struct OutputTarget {
 
 // Looks at all names, and touches nothing. Returns one target for each request. Throws
 // - Error(kUsage) for an output that is something spared or another output (device and inode; for what does
-// not
-//   exist yet, folder and name; PATH.part counts), that lies in a folder which is an output, or in which
+//   not exist yet, folder and name; PATH.part counts), that lies in a folder which is an output, or in which
 //   something spared lies; for a device, pipe or socket where a regular file is needed; for an empty name;
 // - Error(kCannotCreate) for a folder in the place of a file and the reverse, a name that is too long, links
-// that
-//   lead in a circle, and a folder that is not there or cannot be written.
+//   that lead in a circle, and a folder that is not there or cannot be written.
+// Cost: linear in the spared files, for each request.
 std::vector<OutputTarget> plan_outputs(std::span<const SparedFile> spared,
                                        std::span<const OutputRequest> requests);
 

@@ -92,6 +92,7 @@ bool is_same(const Place& a, const Place& b) {
 }
 
 bool is_below(const Place& inner, const Place& outer) {
+  if (inner.found && !outer.found) return false;
   const std::filesystem::path root = outer.folder / outer.name;
   for (std::filesystem::path at = inner.folder;; at = at.parent_path()) {
     if (is_same_folder(at, root)) return true;

@@ -15,7 +15,7 @@ using core::Status;
 
 void VertexValues::set_color(std::size_t k, double value, Remarks& remarks) {
   if (std::isnan(value)) {
-    is_color_undefined = true;
+    (k == 3 ? is_alpha_undefined : is_color_undefined) = true;
     return;
   }
   color.set(k, value);
@@ -49,6 +49,7 @@ void VertexCollector::add(const VertexValues& values) {
   if (info_.has_colors && !info_.has_face_colors) {
     remarks_.has_colors = 1;
     if (values.is_color_undefined) remarks_.undefined_colors.add(count());
+    if (values.is_alpha_undefined) remarks_.undefined_alphas.add(count());
     if (!values.has_color) remarks_.missing_colors.add(count());
     const ReadColor color = values.is_color_undefined || !values.has_color ? ReadColor{} : values.color;
     block_.colors.push_back(color.unit);
@@ -74,18 +75,20 @@ void FaceCollector::color_new_triangles(const ReadColor* color) {
     block_.byte_colors.resize(block_.triangles.size(), color != nullptr ? color->byte : kNoColor);
 }
 
-void FaceCollector::end_polygon(const ReadColor* color) {
+void FaceCollector::end_polygon(const VertexValues* values) {
   remarks_.polygons += corners_ > 3;
   remarks_.small += corners_ < 3;
-  if (info_.has_face_colors && color == nullptr) remarks_.missing_colors.add(faces_);
-  if (is_large_)
-    remarks_.large_polygons.add(faces_);
-  else if (corners_ > 3)
+  const bool is_undefined = values != nullptr && values->is_color_undefined;
+  if (info_.has_face_colors && values == nullptr) remarks_.missing_colors.add(faces_);
+  if (info_.has_face_colors && is_undefined) remarks_.undefined_colors.add(faces_);
+  if (info_.has_face_colors && values != nullptr && values->is_alpha_undefined)
+    remarks_.undefined_alphas.add(faces_);
+  if (corners_ > 3)
     block_.polygons.push_back({static_cast<std::uint32_t>(begin_), static_cast<std::uint32_t>(corners_)});
-  color_new_triangles(color);
+  const ReadColor white;
+  color_new_triangles(values == nullptr ? nullptr : is_undefined ? &white : &values->color);
   begin_ = block_.triangles.size();
   corners_ = 0;
-  is_large_ = false;
   ++faces_;
 }
 
@@ -98,10 +101,9 @@ void FaceCollector::end_strip() {
 
 // Delivers all triangles of the block but those of the polygon at hand.
 void FaceCollector::flush() {
-  if (begin_ == 0) {
-    is_large_ = true;
-    begin_ = block_.triangles.size();
-  }
+  if (begin_ == 0)
+    fail(Status::kBadData, "{}: face {}: has more than {} corners, too many to be triangulated: cut it",
+         info_.path.string(), faces_, block_.triangles.size() + 2);
   TriangleBlock rest;
   const auto begin = static_cast<std::ptrdiff_t>(begin_);
   rest.triangles.assign(block_.triangles.begin() + begin, block_.triangles.end());

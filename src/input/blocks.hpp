@@ -18,12 +18,11 @@ struct VertexValues {
   std::array<double, 3> normal{};
   ReadColor color;
   bool has_color = true;            // else it is missing where others have one
-  bool is_color_undefined = false;  // a component is not a number
+  bool is_color_undefined = false;  // red, green or blue is not a number
+  bool is_alpha_undefined = false;  // then it is 255
 
   // Component `k` of 0 to 3 of the colour, of unknown scale.
   void set_color(std::size_t k, double value, Remarks& remarks);
-  // Null if it is undefined.
-  const ReadColor* known_color() const { return is_color_undefined ? nullptr : &color; }
 };
 
 // Remarks the greatest component `k` of colours of unknown scale.
@@ -72,16 +71,17 @@ class FaceCollector {
   FaceCollector(const SourceInfo& info, BlockSink& sink, Remarks& remarks)
       : info_(info), sink_(sink), remarks_(remarks) {}
 
-  // A polygon: its corners in order, then end_polygon(). One with more corners than a block has room for is
-  // remarked, and delivered as if it were convex.
+  // A polygon: its corners in order, then end_polygon(). Throws Error(kBadData) for more corners than a
+  // block has room for: a fan would be wrong, and nobody could tell.
   void polygon_corner(std::uint32_t index) {
     if (corners_ >= 2) add(first_, last_, index);
     if (corners_ == 0) first_ = index;
     last_ = index;
     ++corners_;
   }
-  // Without a colour it is white, in a block in which others have one.
-  void end_polygon(const ReadColor* color = nullptr);
+  // The colour is that of `values`, if there are some: white if it is undefined. Without one it is white,
+  // too, if others of its block have one.
+  void end_polygon(const VertexValues* values = nullptr);
 
   // A triangle strip: every corner after the second makes a triangle, every other one is turned over so that
   // all face the same way. end_strip() at a restart and at the end.
@@ -112,7 +112,6 @@ class FaceCollector {
   Remarks& remarks_;
   TriangleBlock block_;
   bool has_colors_ = false;  // the block
-  bool is_large_ = false;    // the polygon at hand
   std::uint64_t faces_ = 0;  // polygons that have ended
   std::size_t begin_ = 0;    // of the polygon at hand, in the block
   std::uint64_t corners_ = 0;

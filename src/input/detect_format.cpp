@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "input/formats.hpp"
+#include "input/text_reader.hpp"
 
 namespace colossus::input {
 namespace {
@@ -58,6 +59,8 @@ std::string foreign_name(const std::string& text) {
       {"\x1f\x8b", "is compressed by gzip: unpack it"},
       {"PK\x03\x04", "is a zip archive: unpack it"},
       {"PK\x05\x06", "is an empty zip archive"},
+      {"PK\x07\x08", "is a part of a zip archive: unpack it"},
+      {"\x1f\x9d", "is compressed by compress: unpack it"},
       {"BZh", "is compressed by bzip2: unpack it"},
       {"\xFD"
        "7zXZ",
@@ -77,7 +80,8 @@ std::string foreign_name(const std::string& text) {
        text.starts_with(std::string{'\0', text[1], '\0', text[3], '\0', text[5]})) &&
       text.substr(0, 6) != "\0\0\0\0\0\0"sv)
     return "is UTF-16: convert it to UTF-8";
-  if (text.starts_with("version https://git-lfs"))
+  if (text.starts_with("version https://git-lfs") ||
+      (text.starts_with("version http") && text.find("\noid sha256:") < 200))
     return fmt::format(
         "is a Git LFS pointer ('{}'), not the file that it stands for: fetch it by git lfs pull",
         text.substr(0, std::min<std::size_t>(text.find_first_of("\r\n"), 60)));
@@ -88,19 +92,13 @@ std::string foreign_name(const std::string& text) {
   return {};
 }
 
-// A binary STL has the size that its count says, and at most a few bytes more; "solid" at its start says
-// nothing.
-bool has_size_of_binary_stl(const core::File& file, std::uint64_t more) {
-  const std::uint64_t bytes = binary_stl_bytes(binary_stl_count(file));
-  return file.size() >= bytes && file.size() - bytes <= more && binary_stl_count(file) > 0;
-}
-
-// What begins with "solid", but is not of the size of a binary STL. Text has no control characters.
-bool is_text(const std::string& text) {
-  return std::none_of(text.begin(), text.end(), [](char c) {
-    const auto u = static_cast<unsigned char>(c);
-    return (u < ' ' && !is_white(c) && c != '\x1a') || u == 0x7F;
-  });
+// A binary STL has the size that its count says, and at most a few bytes or padding more; "solid" at its
+// start says nothing.
+bool has_size_of_binary_stl(const core::File& file) {
+  const std::uint64_t count = binary_stl_count(file);
+  const std::uint64_t bytes = binary_stl_bytes(count);
+  if (count == 0 || file.size() < bytes) return false;
+  return file.size() - bytes < binary_stl_bytes(1) - binary_stl_bytes(0) || tail_of(file, bytes).is_padding;
 }
 
 bool starts_with_obj(std::string_view word) {
@@ -118,18 +116,18 @@ FileFormat detect_format(const core::File& file) {
   constexpr const char* kExpected = "expected a PLY, OBJ, STL or OFF file";
   const std::string text = beginning_of(file);
   if (text.empty()) fail(Status::kBadData, "{}: is empty; {}", file.path().string(), kExpected);
-  const std::uint64_t row = binary_stl_bytes(1) - binary_stl_bytes(0);
-  if (has_size_of_binary_stl(file, 0)) return FileFormat::kBinaryStl;
+  if (has_size_of_binary_stl(file)) return FileFormat::kBinaryStl;
   if (text.starts_with("ply") && text.size() > 3 && is_white(text[3])) return FileFormat::kPly;
   if (const std::string foreign = foreign_name(text); !foreign.empty())
     fail(Status::kBadData, "{}: {}; {}", file.path().string(), foreign, kExpected);
-  if (has_size_of_binary_stl(file, row - 1)) return FileFormat::kBinaryStl;
   const std::string word = first_word(file, text);
-  // Behind the zeros that end a text there may be anything.
+  // What begins with "solid" and is not of the size of a binary STL. Floats and counts have zeros, and text
+  // has none but behind its end.
   const std::string head = text.substr(0, std::min<std::size_t>(text.size(), 1000));
-  if (word == "solid")
-    return is_text(head.substr(0, head.find_last_not_of('\0') + 1)) ? FileFormat::kAsciiStl
-                                                                    : FileFormat::kBinaryStl;
+  if (word.starts_with("solid"))
+    return head.substr(0, head.find_last_not_of('\0') + 1).find('\0') == std::string::npos
+               ? FileFormat::kAsciiStl
+               : FileFormat::kBinaryStl;
   if (starts_with_off(word)) return FileFormat::kOff;
   if (starts_with_obj(word)) return FileFormat::kObj;
   const std::string extension = lower(file.path().extension().string());

@@ -6,12 +6,14 @@
 // - Normals if no vertex has two different ones at the corners of its faces; else they are dropped, and
 //   listed as skipped: a normal per corner says how the exporter shaded, and normals per vertex can be
 //   computed. A vertex that no face with normals uses has an unknown one.
-// - Where the data end: what begins a line with a byte that no statement begins with is none.
+// - Where the data end: at a line that begins with a byte no statement begins with, if no vertex or face
+// follows.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -29,6 +31,7 @@ using core::Status;
 constexpr std::uint32_t kNoNormal = std::numeric_limits<std::uint32_t>::max();
 // Distinct unknown statements that are listed; a file that is no OBJ may hold any number.
 constexpr std::size_t kMaxListed = 100;
+constexpr std::size_t kMostListedBytes = 40;
 
 struct Corner {
   std::int64_t vertex = 0;
@@ -70,13 +73,19 @@ class Scan {
         is_lenient_(is_lenient) {}
 
   void run() {
+    std::optional<std::uint64_t> odd_begin;  // of the lines since the last vertex, normal or face
+    std::set<std::string, std::less<>> odd;
     while (text_.next_row()) {
-      if (!text_.is_at_text()) {
-        data_end = text_.offset();
-        return;
+      if (!text_.is_at_text() && !odd_begin) odd_begin = text_.offset();
+      const std::string_view keyword = text_.keyword();
+      if (keyword == "v" || keyword == "vn" || keyword == "f") {
+        odd_begin.reset();
+        skipped.merge(odd);
+        odd.clear();
       }
-      const std::string_view keyword = text_.word();
-      if (keyword == "v") {
+      if (odd_begin) {
+        list(odd, keyword);
+      } else if (keyword == "v") {
         scan_vertex();
       } else if (keyword == "vn") {
         scan_normal();
@@ -90,6 +99,7 @@ class Scan {
         list(skipped, keyword);
       }
     }
+    if (odd_begin) data_end = *odd_begin;
   }
 
   std::uint64_t data_end;
@@ -104,6 +114,7 @@ class Scan {
 
  private:
   static void list(std::set<std::string, std::less<>>& names, std::string_view name) {
+    name = name.substr(0, kMostListedBytes);
     if (names.size() < kMaxListed && !names.contains(name)) names.emplace(name);
   }
 
@@ -203,7 +214,7 @@ class ObjSource final : public Source {
       while (text_.next_row()) {
         is_whole = text_.offset() < obj_.data_end_;
         if (!is_whole) break;
-        const std::string_view keyword = text_.word();
+        const std::string_view keyword = text_.keyword();
         if (keyword == "v") read_vertex();
         if (keyword == "f") read_face();
       }

@@ -145,7 +145,7 @@ class OffSource final : public Source {
                                info_.has_normals ? "N" : "");
     if (header.prose_lines > 0)
       info_.passed.push_back(
-          fmt::format("{} lines of prose in the header, which --lenient lets pass", header.prose_lines));
+          fmt::format("lines of prose in the header, which --lenient lets pass: {}", header.prose_lines));
     if (header.has_float_counts)
       info_.passed.push_back("floats for counts in the header, which --lenient lets pass");
     if (has_texture_) info_.textures.push_back("vertex.st");
@@ -187,17 +187,22 @@ class OffSource final : public Source {
  private:
   TextReader open_text() const { return TextReader(file(), 0, {.comments = true, .continuations = false}); }
 
+  // ST, C and N in any order: where N comes before C, as some write it, normals lie behind the colours.
   void take_keyword(const HeaderReader& reader, const Header& header) {
-    std::string_view rest = header.keyword;
-    const auto take = [&](std::string_view prefix) {
-      if (!rest.starts_with(prefix)) return false;
+    std::string keyword = header.keyword;
+    for (char& c : keyword)
+      if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    std::string_view rest = keyword;
+    const auto take = [&](std::string_view prefix, bool& has) {
+      if (has || !rest.starts_with(prefix)) return false;
       rest.remove_prefix(prefix.size());
+      has = true;
       return true;
     };
-    has_texture_ = take("ST");
-    has_color_keyword_ = take("C");
-    info_.has_normals = take("N");
-    if (!header.keyword.empty() && rest != "OFF")
+    while (take("ST", has_texture_) || take("C", has_color_keyword_) || take("N", info_.has_normals))
+      has_normals_last_ = has_normals_last_ || (info_.has_normals && !has_color_keyword_);
+    has_normals_last_ = has_normals_last_ && has_color_keyword_;
+    if (!keyword.empty() && rest != "OFF")
       reader.bad("OFF, with ST, C and N before it, in three dimensions", header.keyword);
   }
 
@@ -208,12 +213,10 @@ class OffSource final : public Source {
     const std::size_t least = layout_.size();
     TextReader ahead = text;
     const std::size_t numbers = words_of_line(ahead);
-    const bool is_color = has_color_keyword_ && (numbers == least + 3 || numbers == least + 4);
-    const bool is_plain = !has_color_keyword_ && numbers == least;
-    if (!is_color && !is_plain && numbers >= least && are_alike(ahead, numbers))
+    const std::size_t expected = least + (has_color_keyword_ ? 4 : 0);
+    if (numbers != expected && numbers >= least && are_alike(ahead, numbers))
       return take_surplus(numbers - least);
-    if (has_color_keyword_)
-      layout_.color_size = numbers > 0 && numbers % (least + 4) != 0 && numbers % (least + 3) == 0 ? 3 : 4;
+    if (has_color_keyword_) layout_.color_size = 4;
     layout_.is_rows = numbers >= layout_.size() && are_mostly(text, layout_.size());
   }
 
@@ -225,13 +228,14 @@ class OffSource final : public Source {
     return 2 * alike >= lines;
   }
 
-  // Whether all vertices' lines have so many numbers as the first, which has been read. Vertices that share
-  // lines may look so where faces have as many corners; but then there are not enough lines.
+  // Whether all vertices' lines have so many numbers as the first, which has been read, and as many lines
+  // follow as there are faces, the first of which look like faces. Numbers that are wrapped may look like the
+  // one or the other.
   bool are_alike(TextReader& text, std::size_t numbers) const {
     for (std::uint64_t i = 1; i < info_.vertex_count; ++i)
       if (words_of_line(text) != numbers) return false;
     for (std::uint64_t i = 0; i < info_.face_count; ++i)
-      if (!text.next_row()) return false;
+      if (i < kLookedAtLines ? !is_face_row(text) : !text.next_row()) return false;
     return true;
   }
 
@@ -269,8 +273,12 @@ class OffSource final : public Source {
     if (layout_.is_rows && !text.has_word()) text.next_row();
     VertexValues values;
     for (double& value : values.position) value = take_number(text, i);
-    for (std::size_t k = 0; k < 3 && info_.has_normals; ++k) values.normal[k] = take_number(text, i);
+    const auto take_normal = [&] {
+      for (double& value : values.normal) value = take_number(text, i);
+    };
+    if (info_.has_normals && !has_normals_last_) take_normal();
     for (std::size_t k = 0; k < layout_.color_size; ++k) values.set_color(k, take_number(text, i), remarks);
+    if (has_normals_last_) take_normal();
     for (std::size_t k = 0; k < layout_.rest_size; ++k) take_number(text, i);
     if (!layout_.is_rows) return values;
     std::string_view extra = text.word();
@@ -278,8 +286,7 @@ class OffSource final : public Source {
     if (!options_.is_lenient)
       fail(Status::kBadData,
            "{}: vertex {} (line {}): expected the end of the line after {} numbers, found '{}'; --lenient "
-           "lets surplus "
-           "numbers pass",
+           "lets surplus numbers pass",
            info_.path.string(), i, text.line(), layout_.size(), extra);
     while (!extra.empty()) extra = text.word();
     remarks.surplus_in_vertices.add(i);
@@ -303,7 +310,8 @@ class OffSource final : public Source {
     if (layout_.is_rows) {
       TextReader rows = ahead;
       std::uint64_t count = 0;
-      while (count < info_.face_count && rows.next_row()) ++count;
+      while (count < info_.face_count && (count < kLookedAtLines ? is_face_row(rows) : rows.next_row()))
+        ++count;
       if (count == info_.face_count) return false;
     }
     for (std::uint64_t i = 0; i < info_.face_count; ++i) {
@@ -365,12 +373,12 @@ class OffSource final : public Source {
     VertexValues values;
     for (std::size_t k = 0; k < std::min(count, numbers.size()); ++k)
       values.set_color(k, numbers[k], remarks);
-    if (values.is_color_undefined) remarks.undefined_colors.add(i);
-    faces.end_polygon(values.known_color());
+    faces.end_polygon(&values);
   }
 
   bool has_texture_ = false;
   bool has_color_keyword_ = false;
+  bool has_normals_last_ = false;  // behind the colours
   Layout layout_;
 };
 

@@ -30,8 +30,10 @@ class AsciiReader {
         if (!text_.next_row())
           fail(Status::kBadData, "{}: truncated: expected {} rows of element {}, found {}",
                info_.path.string(), element.count, element.name, row_);
+        const std::uint64_t line = text_.line();
         read_row(element, role);
-        if (const auto extra = text_.word(); !extra.empty()) take_surplus(element, role, extra);
+        if (const auto extra = text_.word(); !extra.empty())
+          take_surplus(element, role, extra, text_.line() == line);
       }
     }
     vertices_.finish();
@@ -44,16 +46,20 @@ class AsciiReader {
   }
 
  private:
-  // More words in a row than it should have: the first, and the others.
-  void take_surplus(const PlyElement& element, PlyRole role, std::string_view extra) {
-    if (!ply_.is_lenient || !parse_double(extra)) {
+  // More words in a row than it should have: the first, and the others. In a row that goes on over several
+  // lines they may be those of the next one, because one is missing.
+  void take_surplus(const PlyElement& element, PlyRole role, std::string_view extra, bool is_one_line) {
+    if (!ply_.is_lenient || !parse_double(extra) || !is_one_line) {
       fail(Status::kBadData,
            "{}: {} {}: expected the end of the line after {} properties, found '{}'; --lenient lets surplus "
            "numbers pass",
            info_.path.string(), element.name, row_, element.properties.size(), extra);
     }
     while (!extra.empty()) extra = text_.word();
-    (role == PlyRole::kVertex ? remarks_.surplus_in_vertices : remarks_.surplus_in_faces).add(row_);
+    (role == PlyRole::kVertex  ? remarks_.surplus_in_vertices
+     : role == PlyRole::kOther ? remarks_.surplus_elsewhere
+                               : remarks_.surplus_in_faces)
+        .add(row_);
   }
 
   std::string_view take_word(const PlyElement& element, const PlyProperty& property) {
@@ -114,8 +120,7 @@ class AsciiReader {
     if (role == PlyRole::kVertex) vertices_.add(values);
     if (role == PlyRole::kStrips) faces_.end_strip();
     if (role != PlyRole::kFace) return;
-    if (values.is_color_undefined) remarks_.undefined_colors.add(row_);
-    faces_.end_polygon(values.known_color());
+    faces_.end_polygon(&values);
   }
 
   void read_indices(const PlyElement& element, const PlyProperty& list, std::int64_t count, bool is_strips) {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "core/error.hpp"
 
@@ -72,18 +73,22 @@ std::uint8_t color_from_int(PlyType type, double value) {
   return color_from_byte(type == PlyType::kUint16 ? value / 257 : value);
 }
 
-// One component of colours of unknown scale. Marks rows in which it is not a number.
+// One component of colours of unknown scale. Marks rows in which it is not a number; an alpha then is 255.
 void convert_float_color(std::span<const double> column, std::size_t k, std::vector<Color>& colors,
-                         std::vector<Color>& byte_colors, std::vector<bool>& is_undefined, Remarks& remarks) {
-  double greatest = -1.0;
+                         std::vector<Color>& byte_colors, std::vector<bool>& is_undefined,
+                         std::uint64_t first, Remarks& remarks) {
+  double greatest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < column.size(); ++i) {
     colors[i][k] = color_from_unit(column[i]);
     byte_colors[i][k] = color_from_byte(column[i]);
-    if (std::isnan(column[i])) [[unlikely]] {
+    if (!std::isnan(column[i])) [[likely]] {
+      greatest = std::max(greatest, column[i]);
+    } else if (k == 3) {
+      colors[i][k] = byte_colors[i][k] = kNoColor[k];
+      remarks.undefined_alphas.add(first + i);
+    } else {
       is_undefined.resize(column.size(), false);
       is_undefined[i] = true;
-    } else {
-      greatest = std::max(greatest, column[i]);
     }
   }
   note_color(k, greatest, remarks);
@@ -119,7 +124,7 @@ void convert_colors(const std::array<RowColumn, 4>& columns, bool swap, std::spa
     if (!column.exists || !is_float(column.type)) continue;
     values.resize(count);
     convert_column(column.type, swap, rows.data() + column.offset, stride, count, values.data(), 1);
-    convert_float_color(values, k, colors, byte_colors, is_undefined, remarks);
+    convert_float_color(values, k, colors, byte_colors, is_undefined, first, remarks);
   }
   for (std::size_t i = 0; i < is_undefined.size(); ++i) {
     if (!is_undefined[i]) continue;

@@ -202,7 +202,7 @@ class PlySource final : public Source {
     if (role_of(elements[i]) == PlyRole::kFace) plan_triangles(elements[i]);
   }
 
-  // What is behind the data of rows whose size is known.
+  // What is behind the data where there are no lists.
   void check_end(std::uint64_t offset) {
     Remarks remarks;
     check_tail(info_, options_, file(), offset, remarks);
@@ -228,9 +228,9 @@ class PlySource final : public Source {
     // Vertices behind the faces are where we think even if the faces are not all triangles, but only if the
     // size is exact.
     if (vertex_offset > 0 ? offset != ply_.bytes : !tail_of(file(), offset).is_padding) return;
-    check_end(offset);
     if (vertex_offset > 0) set_vertex_offset(vertex_offset);
     has_face_parts_ = true;
+    data_end_ = offset;
   }
 
   void set_vertex_offset(std::uint64_t offset) {
@@ -258,6 +258,9 @@ class PlySource final : public Source {
       }
       fail_index(info_, "face", part.first + converted.first_bad, converted.bad_index, ply_.vertex_count);
     }
+    // If all faces are triangles, this is where the data end.
+    if (part.first + part.count == info_.face_count)
+      check_tail(info_, options_, reading.file, data_end_, remarks);
     reading.sink.triangles(std::move(converted.block));
     reading.sink.remarks(remarks);
     return true;
@@ -267,6 +270,7 @@ class PlySource final : public Source {
   bool has_vertex_parts_ = false;
   std::uint64_t vertex_offset_ = 0;
   bool has_face_parts_ = false;  // then the faces begin at walk_offset_
+  std::uint64_t data_end_ = 0;   // and this is where the data end, if all of them are triangles
   std::optional<TriangleRows> triangle_rows_;
   std::size_t walk_element_ = 0;  // the first element whose rows have lists, and where it begins
   std::uint64_t walk_offset_ = 0;

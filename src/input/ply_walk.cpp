@@ -118,8 +118,7 @@ class Walker {
           skip_property(element, row, property);
         }
       }
-      if (color.is_color_undefined) remarks_.undefined_colors.add(row);
-      is_strips ? faces_.end_strip() : faces_.end_polygon(color.known_color());
+      is_strips ? faces_.end_strip() : faces_.end_polygon(&color);
     }
   }
 

@@ -20,10 +20,10 @@ std::string count_text(std::uint64_t count, const char* one, const char* many) {
 void Remarks::merge(const Remarks& other) {
   polygons += other.polygons;
   small += other.small;
-  large_polygons.merge(other.large_polygons);
   undefined_positions.merge(other.undefined_positions);
   undefined_normals.merge(other.undefined_normals);
   undefined_colors.merge(other.undefined_colors);
+  undefined_alphas.merge(other.undefined_alphas);
   missing_colors.merge(other.missing_colors);
   has_colors = std::max(has_colors, other.has_colors);
   greatest_color = std::max(greatest_color, other.greatest_color);
@@ -31,6 +31,7 @@ void Remarks::merge(const Remarks& other) {
   float_indices.merge(other.float_indices);
   surplus_in_vertices.merge(other.surplus_in_vertices);
   surplus_in_faces.merge(other.surplus_in_faces);
+  surplus_elsewhere.merge(other.surplus_elsewhere);
   trailing_bytes += other.trailing_bytes;
   trailing_padding += other.trailing_padding;
   attribute_bytes += other.attribute_bytes;
@@ -59,15 +60,17 @@ std::vector<std::string> warnings_of(const SourceInfo& info, const Remarks& r) {
   };
   const char* const colored = info.has_face_colors ? "face" : "vertex";
   const char* const colored_many = info.has_face_colors ? "faces" : "vertices";
-  say(r.large_polygons, "face", "faces", "with more corners than can be triangulated, taken for convex");
   say(r.undefined_positions, "vertex", "vertices", "without finite coordinates, which no triangle may use");
   say(r.undefined_normals, "vertex", "vertices", "with a normal that is not a number, which is computed");
   say(r.undefined_colors, colored, colored_many, "with a colour that is not a number, which becomes white");
+  say(r.undefined_alphas, colored, colored_many, "with an alpha that is not a number, which becomes 255");
   if (r.has_colors != 0)
     say(r.missing_colors, colored, colored_many, "without a colour, where others have one: white");
   say(r.float_indices, "face", "faces", "with floats for indices or counts, let pass by --lenient");
   say(r.surplus_in_vertices, "vertex", "vertices", "with surplus numbers, which --lenient lets pass");
   say(r.surplus_in_faces, "face", "faces", "with surplus numbers, which --lenient lets pass");
+  say(r.surplus_elsewhere, "row", "rows",
+      "of unread elements with surplus numbers, which --lenient lets pass");
   if (r.trailing_padding > 0)
     warnings.push_back(fmt::format("{}: {} of padding behind the data", path,
                                    count_text(r.trailing_padding, "byte", "bytes")));

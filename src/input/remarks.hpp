@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,21 +35,22 @@ struct Remarks {
   // Faces that were not triangles.
   std::uint64_t polygons = 0;  // more than three corners
   std::uint64_t small = 0;     // fewer than three corners (also of a strip's pieces): skipped
-  Tally large_polygons;        // more corners than a block has triangles: taken for convex
   // Vertices.
   Tally undefined_positions;  // not finite
   Tally undefined_normals;
   // Colours, of vertices or of faces.
-  Tally undefined_colors;        // a component is not a number
+  Tally undefined_colors;  // red, green or blue is not a number
+  Tally undefined_alphas;
   Tally missing_colors;          // none, where others have one
   std::uint64_t has_colors = 0;  // 1 if a block has some
-  // Of components whose scale depends on all values; -1 where there is none.
-  double greatest_color = -1.0;
-  double greatest_alpha = -1.0;
+  // Of components whose scale depends on all values.
+  double greatest_color = -std::numeric_limits<double>::infinity();
+  double greatest_alpha = -std::numeric_limits<double>::infinity();
   // What only SourceOptions::is_lenient lets pass.
   Tally float_indices;        // faces
   Tally surplus_in_vertices;  // rows with more numbers than they should have
   Tally surplus_in_faces;
+  Tally surplus_elsewhere;           // rows of elements that nobody reads
   std::uint64_t trailing_bytes = 0;  // behind the data
   // What is harmless, or not read, but only reading tells.
   std::uint64_t trailing_padding = 0;  // bytes: zeros or white space behind the data
@@ -57,6 +59,8 @@ struct Remarks {
   std::uint64_t unread_colors = 0;     // faces with a colour, where vertices have colours
   std::uint64_t color_indices = 0;  // faces whose colour is a number in a table that the file does not have
 
+  bool has_open_colors() const { return greatest_color > -std::numeric_limits<double>::infinity(); }
+  bool has_open_alpha() const { return greatest_alpha > -std::numeric_limits<double>::infinity(); }
   void merge(const Remarks& other);
   friend bool operator==(const Remarks&, const Remarks&) = default;
 };

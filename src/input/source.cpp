@@ -26,6 +26,8 @@ void append_list(const std::filesystem::path& list, std::vector<std::filesystem:
   const core::Bytes bytes = core::read_file(list);
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (text.find('\0') != std::string_view::npos)
+    fail(Status::kBadData, "{}: is no text; expected a list of input files, one per line", list.string());
   const std::size_t before = paths.size();
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());

@@ -11,12 +11,10 @@
 // - Positions are doubles: text is rounded to the nearest double even where a header says float. A position
 //   that is not finite is delivered as it is, and remarked: only who knows which vertices triangles use can
 //   tell whether it is bad data. In formats without indices (STL) all are used, and it is.
-// - A polygon becomes the fan from its first corner, (0,1,2), (0,2,3), ...; a block says which of its
-// triangles
-//   are such fans, since only positions tell how a polygon is to be cut (geometry/polygon.hpp). A face with
-//   fewer than three corners is skipped and remarked. Degenerate and duplicate triangles are delivered.
-// - Colours are RGBA bytes, of vertices or, in files whose vertices have none, of faces. 16-bit unsigned
-// colours
+// - A polygon becomes the fan from its first corner, (0,1,2), (0,2,3), ...; a block says which triangles are
+//   such fans, since only positions tell how a polygon is to be cut (geometry/polygon.hpp). A face with fewer
+//   than three corners is skipped and remarked. Degenerate and duplicate triangles are delivered.
+// - Colours are RGBA bytes, of vertices or, in files whose vertices have none, of faces. 16-bit unsigned ones
 //   are scaled by 1/257; other integers are clamped; a missing alpha is 255. Where colours are floats, or
 //   text without a type, their scale is found from all values of a file: blocks hold both readings, and
 //   scale_of() (colors.hpp) chooses once all parts are read. A colour that is not a number counts as missing.

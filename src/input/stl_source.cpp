@@ -191,14 +191,15 @@ class AsciiStl final : public Source {
     Reader(const AsciiStl& stl, BlockSink& sink)
         : info_(stl.info_),
           sink_(sink),
-          text_(stl.file(), 0, {}),
+          text_(stl.file(), 0, {.comments = true, .continuations = false}),
           vertices_(info_, sink, remarks_),
           faces_(info_, sink, remarks_) {}
 
     void read() {
       while (text_.next_row()) {
-        expect("solid", lower(text_.word()));
-        remarks_.solid_names += text_.has_word() ? 1 : 0;
+        const std::string keyword = lower(text_.keyword());
+        expect("solid", keyword.substr(0, 5));
+        remarks_.solid_names += text_.has_word() || keyword.size() > 5 ? 1 : 0;
         text_.next_row();
         read_solid();
       }

@@ -50,7 +50,8 @@ std::uint64_t padding_of(const core::File& file, std::uint64_t offset) {
 }
 
 // 1.#INF, 1.#QNAN, 1.#SNAN and 1.#IND, with a sign and digits behind: as printf() of C libraries for Windows
-// wrote what is no number.
+// wrote what is no number; and what became of these when it rounded them to fewer digits, as if letters were
+// such.
 std::optional<double> parse_windows_number(std::string_view word) {
   const bool is_negative = word.starts_with('-');
   if (is_negative) word.remove_prefix(1);
@@ -59,7 +60,8 @@ std::optional<double> parse_windows_number(std::string_view word) {
   while (!word.empty() && word.back() >= '0' && word.back() <= '9') word.remove_suffix(1);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (word == "INF") return is_negative ? -kInfinity : kInfinity;
-  if (word == "QNAN" || word == "SNAN" || word == "IND") return std::numeric_limits<double>::quiet_NaN();
+  for (const std::string_view known : {"QNAN", "SNAN", "IND", "J", "IO", "R", "QO", "T", "SO"})
+    if (word == known) return std::numeric_limits<double>::quiet_NaN();
   return {};
 }
 
@@ -167,8 +169,9 @@ bool TextReader::skip_continuation() {
     std::size_t at = 0;
     while (at < got && is_blank(text[at])) ++at;
     if (at == buffer.size()) continue;
-    if (at == got || !is_line_end(text[at])) return false;
     end += at;
+    if (end == text_end) break;  // what goes on where the text ends
+    if (at == got || !is_line_end(text[at])) return false;
     std::array<std::byte, 2> rest{};
     const std::size_t left = std::min<std::uint64_t>(rest.size(), text_end - end);
     end += line_end_size(reinterpret_cast<const char*>(rest.data()),
@@ -180,12 +183,17 @@ bool TextReader::skip_continuation() {
   return true;
 }
 
-std::string_view TextReader::word() {
+std::string_view TextReader::word() { return next_word(false); }
+
+std::string_view TextReader::keyword() { return next_word(true); }
+
+std::string_view TextReader::next_word(bool may_be_long) {
   if (!skip_blanks()) return {};
   const auto bytes = window_.peek(kMaxWord + 3);
   const char* text = reinterpret_cast<const char*>(bytes.data());
   std::size_t size = 0;
   for (; size < bytes.size() && !is_blank(text[size]) && !is_line_end(text[size]); ++size) {
+    if (size > kMaxWord && may_be_long) break;
     if (size > kMaxWord)
       core::fail(core::Status::kBadData, "{}: line {}: a word of more than {} characters; expected text",
                  file_.path().string(), line_, kMaxWord);

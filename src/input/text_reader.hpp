@@ -47,8 +47,10 @@ class TextReader {
   // Goes to the next line that has a word (at first: the first one). False at the end of the file.
   bool next_row();
   // The next word of this line; empty at its end. Valid until the next call of anything.
-  // Throws Error(kBadData) for a word of more than 1000 characters.
+  // Throws Error(kBadData) for a word of more than 1000 characters, of which keyword() returns the first
+  // ones.
   std::string_view word();
+  std::string_view keyword();
   // The next word of this or a later line; empty at the end of the file.
   std::string_view word_of_any_line();
   // Whether there is another word on this line.
@@ -65,6 +67,7 @@ class TextReader {
   std::uint64_t padding() const { return padding_; }
 
  private:
+  std::string_view next_word(bool may_be_long);
   bool skip_blanks();
   bool skip_continuation();
   bool skip_to_line_end();

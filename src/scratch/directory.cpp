@@ -17,12 +17,8 @@ namespace colossus::scratch {
 namespace {
 
 constexpr const char* kManifestName = "manifest";
-// On a directory that we have created: the sticky bit, which mkdir() sets as it creates, and which does no
-// harm. So a build that is killed before anything lies in it, or when nothing does any more, leaves no empty
-// directory that looks like one of the user's.
-constexpr mode_t kMark = S_ISVTX;
 constexpr const char* kLentName = "keep-this-folder";  // an empty file
-constexpr const char* kFirstLine = "Colossus scratch files, format 1\n";
+constexpr const char* kFirstLine = "Colossus scratch files, format 2\n";
 constexpr const char* kChecksumName = "checksum";
 
 // 0 for any other name.
@@ -47,11 +43,6 @@ std::string lines_of(const Manifest& manifest) {
 [[noreturn]] void fail_removal(const std::filesystem::path& path, const std::string& reason) {
   core::fail(core::Status::kIo, "{}: cannot remove: {}: remove the scratch directory by hand", path.string(),
              reason);
-}
-
-bool has_mark(const std::filesystem::path& directory) {
-  struct stat info {};
-  return ::stat(directory.c_str(), &info) == 0 && (info.st_mode & kMark) != 0 && info.st_uid == ::geteuid();
 }
 
 // What is not there is removed already.
@@ -156,7 +147,6 @@ DirectoryContent look_into_directory(const std::filesystem::path& directory) {
   try {
     content.exists = std::filesystem::exists(std::filesystem::symlink_status(directory));
     if (!content.exists) return content;
-    content.is_ours = has_mark(directory);
     content.is_empty = true;
     for (const auto& entry : std::filesystem::directory_iterator(directory)) {
       content.is_empty = false;
@@ -181,7 +171,7 @@ std::filesystem::path folder_of_attempt(const std::filesystem::path& directory, 
 
 bool create_scratch_directory(const std::filesystem::path& directory) {
   // mkdir() is atomic.
-  if (::mkdir(directory.c_str(), 0777 | kMark) == 0) {
+  if (::mkdir(directory.c_str(), 0777) == 0) {
     try {
       take_attempt(directory, 0);
     } catch (const core::Error&) {

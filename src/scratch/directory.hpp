@@ -48,7 +48,6 @@ std::uint64_t bytes_in(const std::filesystem::path& folder);
 struct DirectoryContent {
   bool exists = false;
   bool is_empty = false;      // a directory, and nothing in it
-  bool is_ours = false;       // created by a build: it has the mark that create_scratch_directory() gives
   bool is_lent = false;       // was there before the build, and is to stay
   bool has_foreign = false;   // anything but folders of attempts, and the note that it is lent
   std::uint16_t attempt = 0;  // the latest; 0 when there is none

@@ -205,6 +205,133 @@ TEST(Off, WhiteSpaceIsFree) {
   }
 }
 
+TEST(Off, ColouredVerticesMayBeWrappedAnyhow) {
+  const TemporaryFolder folder;
+  const Positions positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::vector<std::string> words{"0",   "0",  "0",   "10", "20",  "30", "255", "1",  "0",
+                                       "0",   "11", "21",  "31", "255", "0",  "1",   "0",  "12",
+                                       "22",  "32", "255", "0",  "0",   "1",  "13",  "23", "33",
+                                       "255", "3",  "0",   "1",  "2",   "3",  "0",   "2",  "3"};
+  for (std::size_t width = 1; width <= 40; ++width) {
+    std::string text = "COFF 4 2 0\n";
+    for (std::size_t i = 0; i < words.size(); ++i) text += words[i] + ((i + 1) % width == 0 ? "\n" : " ");
+    const Collected read = collect(folder.write("w.off", text));
+    EXPECT_EQ(read.positions, positions) << width;
+    EXPECT_EQ(read.colors,
+              (Colors{{10, 20, 30, 255}, {11, 21, 31, 255}, {12, 22, 32, 255}, {13, 23, 33, 255}}))
+        << width;
+    EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}, {0, 2, 3}})) << width;
+  }
+}
+
+TEST(Off, KeywordsMayStandInAnyOrder) {
+  const TemporaryFolder folder;
+  const std::string faces = "3 0 1 2\n";
+  const auto rows = [](const std::string& rest) {
+    return "0 0 0 " + rest + "\n1 0 0 " + rest + "\n0 1 0 " + rest + "\n";
+  };
+  for (const auto& [keyword, rest] :
+       {std::pair{"CNOFF", "0 0 1 9 8 7 6"}, {"NCOFF", "9 8 7 6 0 0 1"}, {"noff", "0 0 1"}}) {
+    const Collected read =
+        collect(folder.write("k.off", std::string(keyword) + "\n3 1 0\n" + rows(rest) + faces));
+    EXPECT_EQ(read.normals, (std::vector<std::array<float, 3>>(3, {0, 0, 1}))) << keyword;
+    if (keyword[0] != 'n') {
+      EXPECT_EQ(read.colors, Colors(3, {9, 8, 7, 6})) << keyword;
+    }
+  }
+  expect_bad(folder.write("k.off", "CCOFF\n3 1 0\n" + rows("1") + faces), {"'CCOFF'"});
+}
+
+// What begins like nothing known ends the data only if nothing known follows.
+TEST(Obj, OddLinesEndTheDataOnlyAtTheEnd) {
+  const TemporaryFolder folder;
+  const std::string start = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+  for (const std::string& odd :
+       {std::string("\xc3\x9c"
+                    "bung 3\n"),
+        std::string("\xfc"
+                    "ber\n"),
+        std::string("\0\n", 2),
+        std::string("\x01 ") + std::string(5000, 'x') + "\n" + std::string(3000, '\xff') + "\n"})
+    for (const SourceOptions& options : {SourceOptions{}, kLenient}) {
+      const auto source = open_source(
+          folder.write("o.obj", odd + start + odd + "vn 0 1 0\nv 0 0 1\n" + odd + "f 1//1 3//1 4//2\n"),
+          options);
+      const Collected read = collect(*source);
+      EXPECT_EQ(read.positions.size(), 4U);
+      EXPECT_EQ(read.faces.size(), 2U);
+      EXPECT_EQ(read.normals[3], (std::array<float, 3>{0, 1, 0}));
+      EXPECT_EQ(read.noted.trailing_bytes, 0U);
+      EXPECT_FALSE(source->info().skipped.empty());
+    }
+  EXPECT_EQ(collect(folder.write("o.obj", start + "f 1 2 3 \\")).faces.size(), 2U)
+      << "goes on where the file ends";
+}
+
+TEST(Colors, AnAlphaThatIsNoNumberIsMissing) {
+  const TemporaryFolder folder;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const BodyFormat format : kFormats) {
+    const Collected read =
+        collect(folder.write("a.ply", colored_ply(format, "float", {{1, 0.5, 0, nan}, {0, 0, 0, 0}, {}})));
+    EXPECT_EQ(read.colors[0], (Color{255, 128, 0, 255}));
+    EXPECT_EQ(read.noted.undefined_alphas, (Tally{1, 0}));
+    EXPECT_EQ(read.noted.undefined_colors.count, 0U);
+  }
+}
+
+// However a file is read, what is remarked is the same.
+TEST(Colors, OfFacesThatAreNoNumbersAreMissingInEveryReader) {
+  const TemporaryFolder folder;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const BodyFormat format : kFormats)
+    for (const bool has_quad : {false, true}) {
+      PlyBody body(format);
+      for (int i = 0; i < 4; ++i) body.put("float", i & 1).put("float", i / 2).put("float", 0).end_row();
+      body.list("uchar", "int", {0, 1, 2}).put("float", nan).put("float", 0).put("float", 1).end_row();
+      if (has_quad)
+        body.list("uchar", "int", {0, 1, 3, 2}).put("float", nan).put("float", 0).put("float", 1).end_row();
+      const Collected read = collect(folder.write(
+          "n.ply",
+          ply_header(format, fmt::format("element vertex 4\n{}element face {}\nproperty list uchar int "
+                                         "vertex_indices\nproperty float red\nproperty float green\nproperty "
+                                         "float blue\n",
+                                         kFloatVertex, has_quad ? 2 : 1)) +
+              body.bytes()));
+      EXPECT_EQ(read.noted.undefined_colors, (Tally{has_quad ? 2U : 1U, 0}));
+      EXPECT_EQ(read.noted.missing_colors.count, 0U);
+      EXPECT_EQ(read.face_colors, Colors(has_quad ? 3 : 1, kNoColor));
+    }
+}
+
+// The guess that all faces are triangles may find what looks like padding.
+TEST(Tail, LastNumbersOfAQuadAreNoPadding) {
+  const TemporaryFolder folder;
+  PlyBody body(BodyFormat::kLittle);
+  for (int i = 0; i < 5; ++i) body.put("float", i).put("float", i * i).put("float", 0);
+  body.list("uchar", "int", {3, 2, 1, 0});
+  for (int i = 0; i < 5; ++i) body.list("uchar", "int", {3, 4, 0});
+  const auto source = open_source(folder.write(
+      "q.ply",
+      ply_header(BodyFormat::kLittle,
+                 fmt::format("element vertex 5\n{}element face 6\nproperty list uchar int vertex_indices\n",
+                             kFloatVertex)) +
+          body.bytes()));
+  const Collected read = collect(*source);
+  EXPECT_EQ(read.faces.size(), 7U);
+  EXPECT_TRUE(warnings_of(source->info(), read.noted).empty());
+}
+
+// A word that is missing is not made good by the next row, however lenient.
+TEST(Lenient, DoesNotTakeARowForTheRestOfAnother) {
+  const TemporaryFolder folder;
+  const std::string header =
+      ply_header(BodyFormat::kAscii,
+                 fmt::format("element vertex 3\n{}element face 1\nproperty list uchar int vertex_indices\n",
+                             kFloatVertex));
+  expect_bad(folder.write("s.ply", header + "0 0 0\n1 0\n0 1 0\n3 0 1 2\n3 0 1 2\n"), {"vertex 1"}, kLenient);
+}
+
 TEST(Obj, WeightsDivide) {
   const TemporaryFolder folder;
   const Collected read = collect(folder.write("w.obj", "v 2 4 6 2\nv 1 2 3 0\nv 1 1 1 1\nf 1 2 3\n"));
@@ -264,7 +391,7 @@ TEST(Tail, OtherBytesPassOnlyIfLenient) {
   const TemporaryFolder folder;
   for (const auto& [name, text] : whole_files())
     for (const std::string& tail :
-         {std::string("\x01garbage"), std::string("\0\0\0\x80 v 1 2 3\n", 12), std::string(5000, '\xff')}) {
+         {std::string("\x01garbage"), std::string("\0\0\0\x80 w 1 2 3\n", 12), std::string(5000, '\xff')}) {
       const auto path = folder.write(name, text + tail);
       expect_bad(path, {"--lenient"});
       const auto source = open_source(path, kLenient);
@@ -364,6 +491,7 @@ TEST(Detection, ContentDecides) {
   for (const char* name : {"a.stl", "a.STL", "a.txt", "a.ply", "a.obj", "a.off", "a"}) {
     for (const std::string& start :
          {std::string("solid\n"), std::string("\n \tSOLID x\r\n"), std::string("\xEF\xBB\xBFSolid\n"),
+          std::string("solid_\x1b[0m\n"), std::string("# made\nsolid\n"),
           "solid " + std::string(3000, '/') + "\n"})
       EXPECT_EQ(collect(folder.write(name, start + ascii)).faces.size(), 1U) << name << start;
     for (const std::string& tail : {std::string(), std::string("\n"), std::string(49, 'x')}) {

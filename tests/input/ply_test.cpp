@@ -364,25 +364,32 @@ TEST(Ply, TriangleStripsAlternateAndRestart) {
   }
 }
 
-TEST(Ply, PolygonsLongerThanTheBufferAreFans) {
+TEST(Ply, PolygonsMayHaveAsManyCornersAsABlockHasRoomFor) {
   const TemporaryFolder folder;
-  constexpr std::uint32_t kCorners = 400000;
-  for (const BodyFormat format : {BodyFormat::kAscii, BodyFormat::kBig}) {
-    PlyBody body(format);
-    for (int i = 0; i < 5; ++i) body.put("float", i).put("float", 0).put("float", 0).end_row();
-    std::vector<double> indices(kCorners);
-    for (std::uint32_t i = 0; i < kCorners; ++i) indices[i] = i % 5;
-    body.list("uint", "int", indices).end_row();
-    const Collected read = collect(folder.write(
-        "fan.ply",
-        ply_header(format,
-                   fmt::format("element vertex 5\n{}element face 1\nproperty list uint int vertex_index\n",
-                               kFloatVertex)) +
-            body.bytes()));
-    ASSERT_EQ(read.faces.size(), kCorners - 2);
-    EXPECT_EQ(read.faces[7], (std::array<std::uint32_t, 3>{0, 8 % 5, 9 % 5}));
-    EXPECT_EQ(read.noted.polygons, 1U);
-  }
+  for (const BodyFormat format : {BodyFormat::kAscii, BodyFormat::kBig})
+    for (const std::uint32_t corners :
+         {std::uint32_t{kBlockElements} + 2, std::uint32_t{kBlockElements} + 3, 400000U}) {
+      PlyBody body(format);
+      for (int i = 0; i < 5; ++i) body.put("float", i).put("float", 0).put("float", 0).end_row();
+      body.list("uint", "int", {0, 1, 2}).end_row();  // does not make the next one longer than a block
+      std::vector<double> indices(corners);
+      for (std::uint32_t i = 0; i < corners; ++i) indices[i] = i % 5;
+      body.list("uint", "int", indices).end_row();
+      const auto path = folder.write(
+          "fan.ply",
+          ply_header(format,
+                     fmt::format("element vertex 5\n{}element face 2\nproperty list uint int vertex_index\n",
+                                 kFloatVertex)) +
+              body.bytes());
+      if (corners > kBlockElements + 2) {
+        expect_bad(path, {"face 1", "more than 131074 corners"});
+        continue;
+      }
+      const Collected read = collect(path);
+      ASSERT_EQ(read.faces.size(), corners - 1);
+      EXPECT_EQ(read.faces[8], (std::array<std::uint32_t, 3>{0, 8 % 5, 9 % 5}));
+      EXPECT_EQ(read.noted.polygons, 1U);
+    }
 }
 
 std::string one_triangle(std::string_view header_lines, std::string_view rows) {

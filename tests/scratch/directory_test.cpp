@@ -116,17 +116,6 @@ TEST(ScratchDirectory, ThatWasThereIsUsedByOneOfTwoAndStays) {
   EXPECT_TRUE(look_into_directory(path).is_empty);
 }
 
-TEST(ScratchDirectory, ThatABuildHasLeftEmptyIsKnown) {
-  const TemporaryDirectory parent;
-  const auto path = parent.path() / "scratch";
-  create_scratch_directory(path);
-  std::filesystem::remove(folder_of_attempt(path, 1));
-  EXPECT_TRUE(look_into_directory(path).is_ours);
-  EXPECT_TRUE(look_into_directory(path).is_empty);
-  std::filesystem::create_directory(parent.path() / "users");
-  EXPECT_FALSE(look_into_directory(parent.path() / "users").is_ours);
-}
-
 TEST(ScratchDirectory, ThatSomebodyHasJustCreatedIsNotTaken) {
   const TemporaryDirectory parent;
   const auto path = parent.path() / "scratch";
