@@ -60,7 +60,6 @@ struct InputFile {
   std::string hash;
   bool has_normals = false;
   bool has_colors = false;  // of vertices or faces
-  bool has_face_colors = false;
 };
 
 struct InputCounts {

@@ -181,8 +181,8 @@ class Survey {
             input::open_source(path, {workspace_.options.drop_textures, workspace_.options.is_lenient}));
         sources_.back()->close();
         const input::SourceInfo& info = sources_.back()->info();
-        catalog_.files.push_back({path.filename().string(), info.bytes, "", info.has_normals, info.has_colors,
-                                  info.has_face_colors});
+        catalog_.files.push_back(
+            {path.filename().string(), info.bytes, "", info.has_normals, info.has_colors});
         catalog_.has_normals |= info.has_normals;
         core::log("input {}: {}, {} vertices, {} faces{}{}", path.string(), info.format, info.vertex_count,
                   info.face_count, info.has_normals ? ", normals" : "",

@@ -359,8 +359,7 @@ class OffSource final : public Source {
       if (!options_.is_lenient)
         fail(Status::kBadData,
              "{}: face {} (line {}): expected a colour of 3 or 4 numbers, or the end of the line, found {} "
-             "numbers; "
-             "--lenient lets surplus numbers pass",
+             "numbers; --lenient lets surplus numbers pass",
              info_.path.string(), i, text.line(), count);
       remarks.surplus_in_faces.add(i);
     }

@@ -25,7 +25,8 @@ class AsciiReader {
       if (element.properties.empty()) continue;
       const PlyRole role = role_of(element);
       const bool is_face = role == PlyRole::kFace || role == PlyRole::kStrips;
-      index_list_ = is_face && element.count > 0 ? find_index_list(info_, element, ply_.is_lenient) : -1;
+      index_list_ =
+          is_face && element.count > 0 ? find_index_list(info_, element, reading_.options.is_lenient) : -1;
       for (row_ = 0; row_ < element.count; ++row_) {
         if (!text_.next_row())
           fail(Status::kBadData, "{}: truncated: expected {} rows of element {}, found {}",
@@ -49,7 +50,7 @@ class AsciiReader {
   // More words in a row than it should have: the first, and the others. In a row that goes on over several
   // lines they may be those of the next one, because one is missing.
   void take_surplus(const PlyElement& element, PlyRole role, std::string_view extra, bool is_one_line) {
-    if (!ply_.is_lenient || !parse_double(extra) || !is_one_line) {
+    if (!reading_.options.is_lenient || !parse_double(extra) || !is_one_line) {
       fail(Status::kBadData,
            "{}: {} {}: expected the end of the line after {} properties, found '{}'; --lenient lets surplus "
            "numbers pass",
@@ -74,7 +75,7 @@ class AsciiReader {
     const std::string_view word = take_word(element, property);
     if (const auto value = parse_int(word)) return *value;
     const auto value = parse_float_int(word);
-    if (!value || !ply_.is_lenient)
+    if (!value || !reading_.options.is_lenient)
       fail(Status::kBadData, "{}: {} {}: property {}: expected an integer, found '{}'{}", info_.path.string(),
            element.name, row_, property.name, word, value ? "; --lenient lets it pass" : "");
     has_float_indices_ = true;

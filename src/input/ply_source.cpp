@@ -27,16 +27,17 @@ bool is_texture_name(const PlyElement& element, std::string_view name) {
 }
 
 // Whether a property of a face or of tristrips is read.
-bool is_face_property(const PlyFile& ply, const SourceInfo& info, const PlyElement& element, int property) {
+bool is_face_property(const PlyFile& ply, const SourceInfo& info, const PlyElement& element, int property,
+                      bool is_lenient) {
   if (role_of(element) == PlyRole::kFace)
     for (const int color : ply.face_color)
       if (property == color) return true;
-  if (element.count > 0) return property == find_index_list(info, element, ply.is_lenient);
+  if (element.count > 0) return property == find_index_list(info, element, is_lenient);
   return element.properties[static_cast<std::size_t>(property)].name.starts_with("vertex_ind");
 }
 
 // Fills in what is not read: textures and skipped.
-void list_unused(const PlyFile& ply, SourceInfo& info) {
+void list_unused(const PlyFile& ply, SourceInfo& info, bool is_lenient) {
   for (const std::string& comment : ply.header.texture_comments) info.textures.push_back(comment);
   if (ply.header.has_object_info) info.skipped.push_back("obj_info");
   for (const PlyElement& element : ply.header.elements) {
@@ -50,7 +51,7 @@ void list_unused(const PlyFile& ply, SourceInfo& info) {
       const PlyProperty& property = element.properties[i];
       const bool is_used = role == PlyRole::kVertex
                                ? ply.vertex_layout.slot[i] != kUnused
-                               : is_face_property(ply, info, element, static_cast<int>(i));
+                               : is_face_property(ply, info, element, static_cast<int>(i), is_lenient);
       if (is_used) continue;
       (is_texture_name(element, property.name) ? info.textures : info.skipped)
           .push_back(element.name + "." + property.name);
@@ -80,7 +81,6 @@ class PlySource final : public Source {
  public:
   PlySource(core::File opened, const SourceOptions& options) : Source(std::move(opened), options) {
     ply_.bytes = info_.bytes;
-    ply_.is_lenient = options.is_lenient;
     ply_.header = read_ply_header(file(), options.is_lenient);
     static constexpr const char* kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
     info_.format = fmt::format("PLY {}", kFormats[static_cast<int>(ply_.header.format)]);
@@ -99,7 +99,7 @@ class PlySource final : public Source {
     choose_colors();
     for (const PlyElement& element : ply_.header.elements)
       if (is_face(element)) info_.face_count += element.count;
-    list_unused(ply_, info_);
+    list_unused(ply_, info_, options.is_lenient);
     refuse_textures(info_, options);
     check_vertex_count(info_, vertex->count);
     check_declared_counts(ply_, info_);
@@ -212,8 +212,8 @@ class PlySource final : public Source {
   // Whether the first list of the file is that of the faces, and three items in every face make the file's
   // size.
   void plan_triangles(const PlyElement& face) {
-    triangle_rows_ =
-        make_triangle_rows(face, find_index_list(info_, face, ply_.is_lenient), ply_.face_color, ply_.swap);
+    triangle_rows_ = make_triangle_rows(face, find_index_list(info_, face, options_.is_lenient),
+                                        ply_.face_color, ply_.swap);
     if (!triangle_rows_ || face.count > (ply_.bytes - walk_offset_) / triangle_rows_->stride) return;
     std::uint64_t offset = walk_offset_ + face.count * triangle_rows_->stride;
     std::uint64_t vertex_offset = 0;

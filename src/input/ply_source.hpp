@@ -17,7 +17,6 @@ struct PlyFile {
   ColorProperties face_color = kNoColorProperties;  // of the element face, if the vertices have none
   std::uint64_t vertex_count = 0;
   bool swap = false;  // the byte order of a binary file is not ours
-  bool is_lenient = false;
 };
 
 // What readers of a part share.

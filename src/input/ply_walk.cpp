@@ -104,7 +104,7 @@ class Walker {
   }
 
   void walk_faces(const PlyElement& element, bool is_strips) {
-    const std::size_t index_list = find_index_list(info_, element, ply_.is_lenient);
+    const std::size_t index_list = find_index_list(info_, element, reading_.options.is_lenient);
     for (std::uint64_t row = 0; row < element.count; ++row) {
       VertexValues color;
       for (std::size_t i = 0; i < element.properties.size(); ++i) {

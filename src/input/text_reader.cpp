@@ -197,8 +197,8 @@ std::string_view TextReader::next_word(bool may_be_long) {
     if (size > kMaxWord)
       core::fail(core::Status::kBadData, "{}: line {}: a word of more than {} characters; expected text",
                  file_.path().string(), line_, kMaxWord);
-    if (syntax_.continuations && text[size] == '\\' && size + 1 < bytes.size() &&
-        (is_blank(text[size + 1]) || is_line_end(text[size + 1])))
+    if (syntax_.continuations && text[size] == '\\' &&
+        (size + 1 == bytes.size() || is_blank(text[size + 1]) || is_line_end(text[size + 1])))
       break;  // what follows may be the next line
   }
   // A backslash that continues nothing is a word.
