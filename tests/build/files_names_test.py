@@ -22,6 +22,13 @@ class Launchers(FilesTest):
             self.run_in_folder("synth", "--triangles", 20, "-o", "s.ply", environment=environment)
             os.remove(self.path("s.ply"))
 
+    def test_programs_that_know_their_rank_only(self):
+        """MPI sets PMIX_RANK, too, when it starts: what the launcher set must be read before."""
+        for environment in {"PMIX_RANK": "2"}, {"PMI_RANK": "1"}:
+            run = self.assert_spares("build", "in.ply", "-o", "o.h5", environment=environment)
+            self.assertIn(b"several programs of one rank each", run.stderr)
+        self.run_in_folder("build", "in.ply", "-o", "o.h5", environment={"PMIX_RANK": "0"})
+
     def test_programs_that_are_alone(self):
         for environment in ({}, {"SLURM_JOB_ID": "1", "SLURM_NTASKS": "3", "SLURM_PROCID": "0"},
                             {"SLURM_NTASKS": "1", "SLURM_STEP_NUM_TASKS": "1", "SLURM_PROCID": "0"}):

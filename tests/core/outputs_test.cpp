@@ -156,6 +156,24 @@ TEST_F(Outputs, AFileAppearsWhenItIsComplete) {
   EXPECT_EQ(read("other"), "precious");
 }
 
+TEST_F(Outputs, APartThatIsAnothersIsNeitherRenamedNorRemoved) {
+  write("o", "old");
+  {
+    OutputFile file{path("o")};
+    file.append(std::as_bytes(std::span("new", 3)));
+    fs::remove(path("o.part"));
+    write("o.part", "another's");
+    try {
+      file.commit(OutputFile::Durability::kNone);
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.status(), Status::kIo) << error.what();
+    }
+  }
+  EXPECT_EQ(read("o"), "old");
+  EXPECT_EQ(read("o.part"), "another's");
+}
+
 TEST_F(Outputs, WaitingForAReaderCanBeGivenUp) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   OutputTarget target(path("pipe"));

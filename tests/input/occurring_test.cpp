@@ -387,6 +387,41 @@ TEST(Tail, ZerosAndWhiteSpaceAreRemarked) {
     }
 }
 
+// Also where no line end is between the last word, or a backslash that would continue it, and the zeros.
+TEST(Tail, ZerosMayTouchTheLastWord) {
+  const TemporaryFolder folder;
+  for (const auto& [name, text] : whole_files()) {
+    if (name.front() != 'a') continue;
+    const std::string trimmed = text.substr(0, text.find_last_not_of('\n') + 1);
+    for (const char* end : {"", "\\", "\\ "}) {
+      if (*end != '\0' && name != "a.obj") continue;
+      const Collected read = collect(folder.write(name, trimmed + end + std::string(5000, '\0')));
+      EXPECT_EQ(read.faces, (Triangles{{0, 1, 2}})) << name << end;
+      EXPECT_EQ(read.noted.trailing_padding, 5000U + std::string_view(end).ends_with(' ')) << name << end;
+    }
+  }
+}
+
+// While parts are read one cannot know yet that a later face is a quad, whose last numbers only look like
+// padding.
+TEST(Tail, IsLookedAtWhenAllFacesAreKnown) {
+  const TemporaryFolder folder;
+  constexpr std::size_t kFaces = 2 * kBlockElements + 1;
+  PlyBody body(BodyFormat::kLittle);
+  for (int i = 0; i < 4; ++i) body.put("float", i % 2).put("float", i / 2).put("float", 0);
+  for (std::size_t i = 0; i + 1 < kFaces; ++i) body.list("uchar", "int", {1, 2, 3});
+  body.list("uchar", "int", {1, 3, 2, 0});
+  const auto source = open_source(folder.write(
+      "q.ply",
+      ply_header(BodyFormat::kLittle,
+                 fmt::format("element vertex 4\n{}element face {}\nproperty list uchar int vertex_indices\n",
+                             kFloatVertex, kFaces)) +
+          body.bytes()));
+  const Collected read = collect(*source);
+  EXPECT_EQ(read.faces.size(), kFaces + 1);
+  EXPECT_TRUE(warnings_of(source->info(), read.noted).empty());
+}
+
 TEST(Tail, OtherBytesPassOnlyIfLenient) {
   const TemporaryFolder folder;
   for (const auto& [name, text] : whole_files())
@@ -494,7 +529,8 @@ TEST(Detection, ContentDecides) {
           std::string("solid_\x1b[0m\n"), std::string("# made\nsolid\n"),
           "solid " + std::string(3000, '/') + "\n"})
       EXPECT_EQ(collect(folder.write(name, start + ascii)).faces.size(), 1U) << name << start;
-    for (const std::string& tail : {std::string(), std::string("\n"), std::string(49, 'x')}) {
+    for (const std::string& tail :
+         {std::string(), std::string("\n"), std::string(49, 'x'), std::string(5000, '\0')}) {
       const auto source = open_source(folder.write(name, binary + tail));
       EXPECT_EQ(source->info().format, "STL binary");
       EXPECT_EQ(source->info().passed.size(), tail.empty() ? 0U : 1U);
