@@ -326,6 +326,8 @@ class Colors(InputTest):
                                (off(mesh, face_behind=lambda i: numbers(values)(i) + " 255"), "h.off")):
                 with self.subTest(name, file=file):
                     self.read(self.put(file, data), expected(mesh, colors), says=says, never=never, may_warn=("(?i)averag",))
+                    # Corners are no vertices that were there, and count as none.
+                    self.assertEqual(self.info(self.path("out.h5"))["counts"]["merged_vertices"], 0)
         with self.subTest("quads"):
             quads = [[a, b, c, d] for (a, b, c), (_, _, d) in zip(near.triangles[:288].tolist(),
                                                                   near.triangles[288:].tolist())]
@@ -335,6 +337,27 @@ class Colors(InputTest):
                                ("q.off", off(near, faces=quads, face_behind=numbers(values)))):
                 self.read(self.put(file, data), expected(near, colors), may_warn=("(?i)averag",),
                           says=[rf"(?i)\b{averaged}\b[^\n]*averag|averag[^\n]*\b{averaged}\b"])
+
+    def test_of_faces_in_several_groups(self):
+        """The same corners of the same vertices, once per group of 2^17 triangles, are different ones."""
+        mesh = torus(512, 256)
+        values = np.where(np.arange(1 << 18)[:, None] < 1 << 17, (255, 0, 90), (0, 140, 255))
+        colors, _ = self.around_vertices(mesh, values)
+        path = self.put("in.ply", ply(mesh, False, face=columns(RGB, "uchar", values)))
+        self.read(path, expected(mesh, colors), may_warn=("(?i)averag",))
+
+    def test_of_faces_that_are_read_again(self):
+        """Since the last one is no triangle: what had been found in parts of them counts once."""
+        mesh = torus(400, 200)
+        half = len(mesh.triangles) // 2
+        faces = mesh.triangles.tolist()
+        faces = faces[:half - 1] + faces[half:-1] + [faces[half - 1] + [faces[-1][2]]]
+        values = np.full((len(faces), 3), 0.5)
+        values[5] = np.nan
+        path = self.put("in.ply", ply(mesh, False, faces=faces, face=columns(RGB, "float", values)))
+        for ranks in 0, 3:
+            run = self.run_program("build", path, "-o", self.path("out.h5"), "--dry-run", ranks=ranks)
+            self.assertRegex(run.stderr, "1 face with a colour that is not a number, .* the first is face 5")
 
     @staticmethod
     def around_vertices(mesh, of_faces):
@@ -570,6 +593,11 @@ class Polygons(InputTest):
                           for k, c in enumerate(OUTLINES.values())]
                 piece = together(solids)
                 self.read(self.put(file, write(piece)), piece.want(), both=True)
+
+    def test_in_several_files(self):
+        pieces = [solid(OUTLINES["chevron"]).moved(np.eye(3), (10.0 * k, 0, 0)) for k in range(4)]
+        paths = [self.put(f"{k}.ply", ply(piece.mesh(), False, faces=piece.faces)) for k, piece in enumerate(pieces)]
+        self.read(paths, together(pieces).want(), both=True)
 
     def test_many_small_ones_far_away(self):
         """What the lattice rounds is neither warped nor crossing."""

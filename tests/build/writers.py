@@ -43,11 +43,11 @@ def ply(mesh, text=False, vertex=(), face=(), faces=None, position="double", cou
     rows = np.zeros(len(mesh.points), [(name, order + TYPES[kind]) for name, kind, _ in vertex])
     for name, _, values in vertex:
         rows[name] = values
-    body = rows.tobytes()
+    body = bytearray(rows.tobytes())
     for i, corners in enumerate(lists):
         body += np.array([len(corners)], order + TYPES[count]).tobytes() + np.array(corners, order + TYPES[index]).tobytes()
         body += b"".join(np.array([values[i]], order + TYPES[kind]).tobytes() for _, kind, values in face)
-    return head.encode() + body + rows_behind + tail
+    return head.encode() + bytes(body) + rows_behind + tail
 
 
 def obj(mesh, faces=None, behind=lambda i: "", before="", between="", after=""):
