@@ -27,7 +27,7 @@ class Report(ColossusTest):
         return output
 
     def quads(self, cells):
-        """A rough, speckled sheet of quads with colours that are floats: as hard to compress as a scan."""
+        """A rough, speckled sheet of shuffled quads with colours that are floats: as hard to compress as a scan."""
         name = self.path("quads.ply")
         x, y = (axis.ravel() for axis in numpy.meshgrid(*2 * [numpy.arange(cells + 1)]))
         noise = numpy.random.default_rng(1).random((len(x), 3))
@@ -40,6 +40,7 @@ class Report(ColossusTest):
         names = "".join(f"property float {word}\n" for word in ("x", "y", "z", "red", "green", "blue"))
         header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(x)}\n{names}"
                   f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+        numpy.random.default_rng(2).shuffle(faces)
         with open(name, "wb") as file:
             file.write(header.encode() + vertices.astype("<f4").tobytes() + faces.tobytes())
         return name
