@@ -3,45 +3,88 @@
 
 check_layers.py [SOURCE_FOLDER]    default: src/ beside this script's folder
 
-Each folder includes headers of folders below it only, and only of those that its CMake target links; the target links
-no folder that it may not; a system's header stays in the folder that hides it. Prints one line per violation; exit
-status 1 if there is any.
+Each folder, and each folder within one, includes headers of the folders that it is allowed only, and of these only
+those that its CMake target links; the target links no folder that it may not; a system's header stays in the folder
+that hides it; a header whose first line says "Private to this folder" is included there only; namespaces are named like
+folders. Prints one line per violation; exit status 1 if there is any.
 """
 import pathlib
 import re
 import sys
 
-# For each folder, what it may include beside itself.
+GROUND = {"core", "geometry"}
+MESH = GROUND | {"mesh", "hierarchy"}
+CODEC = {"codec", "codec/coded", "codec/entropy", "codec/quantization"}
+CODED = MESH | {"codec/coded"}  # what the form of a coded node is about
+READ = CODED | {"codec", "container"}
+ROOMS = ["facts", "run", "ingest", "nodes", "buckets"]  # of the pipeline, each above those before it
+BELOW_PIPELINE = READ | CODEC | {"simplify", "input", "cluster", "scratch"}
+
+
+def pipeline_below(count):
+    return BELOW_PIPELINE | {f"pipeline/{room}" for room in ROOMS[:count]}
+
+
+# For each folder, what it may include beside itself. A folder's own files stand above the folders within it.
 ALLOWED = {
     "core": set(),
     "geometry": {"core"},
-    "mesh": {"core", "geometry"},
-    "hierarchy": {"core", "geometry"},
-    "simplify": {"core", "geometry", "mesh"},
-    "codec": {"core", "geometry", "mesh", "hierarchy"},
-    "input": {"core", "geometry", "mesh"},
+    "mesh": GROUND,
+    "hierarchy": GROUND,
+    "simplify": GROUND | {"mesh"},
+    "codec/coded": MESH,
+    "codec/entropy": {"core"},
+    "codec/quantization": CODED,
+    "codec/predict": CODED | {"codec/entropy"},
+    "codec/paper": CODED | {"codec/entropy"},
+    "codec/zstd": CODED,
+    "codec": CODED | {"codec/predict", "codec/paper", "codec/zstd"},
+    "input": GROUND | {"mesh"},
+    "synth": GROUND,
     "cluster": {"core"},
     "scratch": {"core"},
-    "container": {"core", "geometry"},
-    "reader": {"core", "geometry", "mesh", "hierarchy", "codec", "container"},
-    "build": {"core", "geometry", "mesh", "hierarchy", "simplify", "codec", "input", "cluster", "scratch", "container"},
-    "cli": {"core", "input", "cluster", "build", "reader"},
+    "container/hdf5": {"core"},
+    "container": GROUND | {"container/hdf5"},
+    **{f"pipeline/{room}": pipeline_below(number) for number, room in enumerate(ROOMS)},
+    "pipeline/diamonds": pipeline_below(len(ROOMS)),
+    "pipeline/blocks": pipeline_below(len(ROOMS)),
+    "pipeline": pipeline_below(len(ROOMS)) | {"pipeline/diamonds", "pipeline/blocks"},
+    "reader/access": READ,
+    "reader/diamonds": READ | {"reader/access"},
+    "reader/blocks": READ | {"reader/access"},
+    "reader": READ | {"reader/access", "reader/diamonds", "reader/blocks"},
+    "exporters": MESH | {"reader/access"},
+    "verify/measure": READ | {"reader/access"},
+    "verify/diamonds": READ | {"reader/access", "reader/diamonds", "verify/measure"},
+    "verify/blocks": READ | {"reader/access", "reader/blocks", "verify/measure"},
+    "verify": {"reader", "reader/diamonds", "reader/blocks", "verify/measure", "verify/diamonds", "verify/blocks"},
+    "cli": {"core", "input", "synth", "cluster", "pipeline", "pipeline/facts", "pipeline/run", "reader", "reader/access",
+            "reader/diamonds", "reader/blocks", "exporters", "verify", "verify/measure"},
 }
+# Only the cluster's ranks share MPI; what facts are does not depend on it.
+ALLOWED["pipeline/facts"] = ALLOWED["pipeline/facts"] - {"cluster"}
+
+FILES = {"core", "input", "synth", "scratch", "container", "container/hdf5", "exporters", "cli"}
+FILES |= {folder for folder in ALLOWED if folder.split("/")[0] in ("pipeline", "reader", "verify")}
 
 # Headers of others that only some folders may include.
 OWNERS = [
     (re.compile(r"(.*/)?mpi\.h"), {"cluster"}),
-    (re.compile(r"(.*/)?(hdf5|H5\w*)\.h"), {"container"}),
-    (re.compile(r"zstd.*\.h"), {"container"}),
-    (re.compile(r"meshoptimizer\.h"), {"codec"}),
+    (re.compile(r"(.*/)?(hdf5|H5\w*)\.h"), {"container", "container/hdf5"}),
+    (re.compile(r"zstd.*\.h"), {"container", "container/hdf5"}),
+    (re.compile(r"meshoptimizer\.h"), {"codec/zstd"}),
     (re.compile(r"CLI/.*"), {"cli"}),
     # What runs in a unit test and under a fuzzer knows no files.
-    (re.compile(r"fstream|filesystem|fcntl\.h|core/file\.hpp"), {"core", "input", "scratch", "container", "reader",
-                                                                 "build", "cli"}),
+    (re.compile(r"fstream|filesystem|fcntl\.h|core/file\.hpp"), FILES),
 ]
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
 TARGET = re.compile(r"colossus::(\w+)")
+NAMESPACE = re.compile(r"^namespace (colossus(?:::\w+)*) \{", re.MULTILINE)
+
+
+def target_of(folder):
+    return folder.replace("/", "_")
 
 
 def line_of(text, offset):
@@ -50,17 +93,19 @@ def line_of(text, offset):
 
 def linked_folders(source):
     """For each folder, all folders that its CMake target links, directly or through others; and the violations."""
+    folder_of = {target_of(folder): folder for folder in ALLOWED}
     direct, violations = {}, []
     for folder in sorted(ALLOWED):
         path = source / folder / "CMakeLists.txt"
+        direct[folder] = set()
         if not path.exists():
             violations.append(f"{path}: expected this file: scripts/check_layers.py knows the folder {folder}")
-            direct[folder] = set()
             continue
-        text = re.sub(r"#.*", "", path.read_text())
-        direct[folder] = set(TARGET.findall(text)) - {folder}
-        for target in sorted(direct[folder] - ALLOWED[folder]):
-            violations.append(f"{path}: {folder} may not link colossus::{target}")
+        for target in sorted(set(TARGET.findall(re.sub(r"#.*", "", path.read_text()))) - {target_of(folder)}):
+            if folder_of.get(target) in ALLOWED[folder]:
+                direct[folder].add(folder_of[target])
+            else:
+                violations.append(f"{path}: {folder} may not link colossus::{target}")
     linked = {}
     for folder in direct:
         seen, todo = set(), [folder]
@@ -73,7 +118,20 @@ def linked_folders(source):
     return linked, violations
 
 
-def check_file(path, folder, linked):
+def check_include(source, place, header, folder, linked):
+    target = str(pathlib.PurePosixPath(header).parent)
+    if target not in ALLOWED:
+        yield f'{place}: "{header}" should start with a folder of src/'
+    elif target != folder:
+        if target not in ALLOWED[folder]:
+            yield f"{place}: {folder} may not include {header}"
+        elif target not in linked:
+            yield f"{place}: {folder} includes {header}, but does not link colossus::{target_of(target)}"
+        if (source / header).exists() and (source / header).read_text().startswith("// Private to this folder"):
+            yield f"{place}: {header} is private to {target}"
+
+
+def check_file(source, path, folder, linked):
     text = path.read_text()
     for match in INCLUDE.finditer(text):
         place = f"{path}:{line_of(text, match.start())}"
@@ -81,28 +139,22 @@ def check_file(path, folder, linked):
         for pattern, owners in OWNERS:
             if pattern.fullmatch(header) and folder not in owners:
                 yield f"{place}: {folder} may not include {header}; only {', '.join(sorted(owners))} may"
-        if not match[1]:
-            continue
-        target = header.split("/")[0]
-        if target not in ALLOWED:
-            yield f'{place}: "{header}" should start with a folder of src/'
-        elif target != folder:
-            if target not in ALLOWED[folder]:
-                yield f"{place}: {folder} may not include {header}"
-            elif target not in linked:
-                yield f"{place}: {folder} includes {header}, but does not link colossus::{target}"
-            if "/detail/" in header:
-                yield f"{place}: {header} is private to {target}"
+        if match[1]:
+            yield from check_include(source, place, header, folder, linked)
+    expected = "colossus::" + folder.replace("/", "::")
+    for match in NAMESPACE.finditer(text):
+        if match[1] != expected:
+            yield f"{path}:{line_of(text, match.start())}: expected namespace {expected}, found {match[1]}"
 
 
 def check(source):
     linked, violations = linked_folders(source)
-    for folder in sorted(p.name for p in source.iterdir() if p.is_dir()):
-        if folder not in ALLOWED:
-            violations.append(f"{source / folder}: scripts/check_layers.py does not know this folder")
-            continue
-        for path in sorted((source / folder).rglob("*.[ch]pp")):
-            violations.extend(check_file(path, folder, linked[folder]))
+    for path in sorted(source.rglob("*.[ch]pp")):
+        folder = str(path.parent.relative_to(source))
+        if folder in ALLOWED:
+            violations.extend(check_file(source, path, folder, linked[folder]))
+        else:
+            violations.append(f"{path}: scripts/check_layers.py does not know the folder {folder}")
     return violations
 
 

@@ -1,8 +1,8 @@
-#include "build/build.hpp"
 #include "cli/commands.hpp"
 #include "cluster/session.hpp"
 #include "core/duration.hpp"
 #include "core/log.hpp"
+#include "pipeline/build.hpp"
 
 namespace colossus::cli {
 namespace {
@@ -25,7 +25,7 @@ std::string codec_help() {
 }  // namespace
 
 void add_build(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<build::BuildOptions>();
+  auto options = std::make_shared<pipeline::facts::BuildOptions>();
   CLI::App* command = app.add_subcommand("build", "Build a container; run it alone, or under mpirun or srun");
   command
       ->add_option("inputs", options->inputs, "PLY, OBJ, STL or OFF files, or @list.txt; together one statue")
@@ -79,7 +79,7 @@ void add_build(CLI::App& app, Action& chosen) {
         cluster::refuse_lone_start(ranks);
         options->command.assign(argv, argv + argc);
         if (!time_limit->empty()) options->time_limit = seconds_of(*time_limit);
-        const build::BuildReport report = build::build(ranks, *options);
+        const pipeline::BuildReport report = pipeline::build(ranks, *options);
         if (report.is_dry_run) {
           core::log("done: nothing was built (--dry-run)");
           return 0;

@@ -4,6 +4,7 @@
 
 #include "cli/commands.hpp"
 #include "core/error.hpp"
+#include "core/version.hpp"
 
 int main(int argc, char** argv) {
   using colossus::core::Status;
@@ -14,7 +15,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Colossus turns gigantic triangle meshes into multiresolution containers that readers open "
       "out-of-core."};
-  app.set_version_flag("--version", COLOSSUS_VERSION);
+  app.set_version_flag("--version", colossus::core::release_version());
   app.require_subcommand(1);
   colossus::cli::Action chosen;
   colossus::cli::add_build(app, chosen);

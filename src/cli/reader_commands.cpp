@@ -7,19 +7,18 @@
 #include <variant>
 #include <vector>
 
-#include "build/inputs.hpp"
 #include "cli/commands.hpp"
 #include "core/error.hpp"
 #include "core/file.hpp"
 #include "core/log.hpp"
+#include "exporters/ply.hpp"
 #include "input/load.hpp"
-#include "reader/cube_extract.hpp"
-#include "reader/cube_verify.hpp"
-#include "reader/distance.hpp"
-#include "reader/extract.hpp"
+#include "pipeline/run/inputs.hpp"
+#include "reader/blocks/extract.hpp"
+#include "reader/diamonds/extract.hpp"
 #include "reader/info.hpp"
 #include "reader/open.hpp"
-#include "reader/verify.hpp"
+#include "verify/verify.hpp"
 
 namespace colossus::cli {
 namespace {
@@ -38,25 +37,26 @@ constexpr std::uint64_t kMostSamples = 10'000'000;  // they are held in memory
 struct VerifyArguments {
   std::string container;
   std::vector<std::string> against;
-  std::size_t samples = reader::VerifyOptions{}.samples_per_node;
+  std::size_t samples = verify::measure::VerifyOptions{}.samples_per_node;
   bool drop_textures = false;
   bool is_lenient = false;
 };
 
-template <typename Statue>
-int verify_statue(const Statue& statue, const VerifyArguments& arguments) {
-  reader::VerifyOptions options;
+int verify_container(const VerifyArguments& arguments) {
+  core::check_input_name(arguments.container);
+  const reader::AnyStatue statue = reader::open(arguments.container);
+  verify::measure::VerifyOptions options;
   options.samples_per_node = arguments.samples;
   input::LoadedMesh input;
-  reader::Surface surface;
+  verify::measure::Surface surface;
   if (!arguments.against.empty()) {
-    build::spared_inputs(arguments.against);  // refuses names that mean a descriptor
+    pipeline::run::spared_inputs(arguments.against);  // refuses names that mean a descriptor
     input = input::load_mesh(arguments.against, {arguments.drop_textures, arguments.is_lenient});
     surface = {input.positions, input.triangles};
     options.against = &surface;
   }
-  const reader::VerifyReport report = reader::verify(statue, options);
-  print(reader::to_text(report));
+  const verify::measure::VerifyReport report = verify::verify(statue, options);
+  print(verify::measure::to_text(report));
   if (!report.is_ok())
     core::fail(core::Status::kBadData, "{}: verify found {} faults", arguments.container, report.total());
   return 0;
@@ -77,12 +77,12 @@ auto chosen_cut(const Statue& statue, const ExtractArguments& arguments) {
   if (arguments.level) return cut_at_level(statue, *arguments.level);
   if (arguments.error) return cut_with_error(statue, *arguments.error);
   if (arguments.triangles) return cut_with_triangles(statue, *arguments.triangles);
-  return cut_at_eye(statue,
-                    reader::Eye{{arguments.eye[0], arguments.eye[1], arguments.eye[2]}, arguments.kappa});
+  return cut_at_eye(
+      statue, reader::access::Eye{{arguments.eye[0], arguments.eye[1], arguments.eye[2]}, arguments.kappa});
 }
 
-constexpr const char* name_of_parts(const reader::Statue&) { return "tetrahedra"; }
-constexpr const char* name_of_parts(const reader::CubeStatue&) { return "cubes"; }
+constexpr const char* name_of_parts(const reader::diamonds::Statue&) { return "tetrahedra"; }
+constexpr const char* name_of_parts(const reader::blocks::CubeStatue&) { return "cubes"; }
 
 template <typename Statue>
 int extract_cut(const Statue& statue, const ExtractArguments& arguments, const core::OutputTarget& target) {
@@ -91,7 +91,7 @@ int extract_cut(const Statue& statue, const ExtractArguments& arguments, const c
   const std::vector<std::uint64_t> parts = parts_by_level(statue, cut);
   for (std::size_t level = 0; level < parts.size(); ++level)
     if (parts[level] > 0) core::log("level {}: {} {}", level, parts[level], name_of_parts(statue));
-  const reader::ExtractResult result = extract(statue, cut, target);
+  const exporters::WrittenPly result = exporters::write_ply(assemble(statue, cut), target);
   core::log("{}: {} vertices, {} triangles{}", arguments.output, result.vertices, result.triangles,
             result.has_doubles ? ", positions as doubles" : "");
   return 0;
@@ -110,8 +110,8 @@ void add_info(CLI::App& app, Action& chosen) {
   command->add_flag("--json", arguments->json, "As JSON");
   command->callback([&chosen, arguments] {
     chosen = [arguments](int&, char**&) {
-      return with_statue(arguments->container, [&](const reader::StatueFile& statue) {
-        print(arguments->json ? info_json(statue) : info_text(statue));
+      return with_statue(arguments->container, [&](const reader::access::StatueFile& statue) {
+        print(arguments->json ? reader::info_json(statue) : reader::info_text(statue));
         return 0;
       });
     };
@@ -131,12 +131,8 @@ void add_verify(CLI::App& app, Action& chosen) {
       ->capture_default_str();
   command->add_flag("--drop-textures", arguments->drop_textures, "As for build");
   command->add_flag("--lenient", arguments->is_lenient, kLenientHelp);
-  command->callback([&chosen, arguments] {
-    chosen = [arguments](int&, char**&) {
-      return with_statue(arguments->container,
-                         [&](const auto& statue) { return verify_statue(statue, *arguments); });
-    };
-  });
+  command->callback(
+      [&chosen, arguments] { chosen = [arguments](int&, char**&) { return verify_container(*arguments); }; });
 }
 
 void add_extract(CLI::App& app, Action& chosen) {

@@ -1,14 +1,14 @@
-#include "build/inputs.hpp"
 #include "cli/commands.hpp"
 #include "core/log.hpp"
 #include "input/load.hpp"
-#include "input/synth.hpp"
+#include "pipeline/run/inputs.hpp"
+#include "synth/synth.hpp"
 
 namespace colossus::cli {
 namespace {
 
 struct SynthArguments {
-  input::SynthOptions options;
+  synth::SynthOptions options;
   std::optional<std::string> base;
   bool is_lenient = false;
   bool no_colors = false;
@@ -18,22 +18,22 @@ int run(SynthArguments arguments) {
   arguments.options.colors = !arguments.no_colors;
   const std::string output = arguments.options.output.string();
   std::vector<core::SparedFile> spared;
-  if (arguments.base) spared = build::spared_inputs(std::span(&*arguments.base, 1));
+  if (arguments.base) spared = pipeline::run::spared_inputs(std::span(&*arguments.base, 1));
   const core::OutputRequest request{"-o", arguments.options.output, core::OutputKind::kFile};
   arguments.options.output = core::plan_outputs(spared, std::span(&request, 1)).front().path;
   const double start = core::elapsed_seconds();
-  input::SynthReport report;
+  synth::SynthReport report;
   if (!arguments.base) {
-    report = input::synthesize(arguments.options);
+    report = synth::synthesize(arguments.options);
   } else {
     input::LoadedMesh loaded =
         input::load_mesh(std::span(&*arguments.base, 1), {.is_lenient = arguments.is_lenient});
-    input::BaseMesh base;
+    synth::BaseMesh base;
     base.name = *arguments.base;
     base.positions = std::move(loaded.positions);
     base.triangles = std::move(loaded.triangles);
     for (const auto& c : loaded.colors) base.colors.push_back({c[0], c[1], c[2]});
-    report = input::synthesize(arguments.options, base);
+    report = synth::synthesize(arguments.options, base);
   }
   const double seconds = core::elapsed_seconds() - start;
   core::log("{}: {} vertices, {} triangles, {:.1f} million triangles per second", output, report.vertices,

@@ -4,13 +4,10 @@
 #include <bit>
 #include <limits>
 
-#include "cluster/detail/mpi_calls.hpp"
+#include "cluster/mpi_calls.hpp"
 
 namespace colossus::cluster {
 namespace {
-
-using detail::check_mpi;
-using detail::wait_politely;
 
 constexpr int kTransferTag = 1;
 
@@ -69,16 +66,16 @@ std::vector<core::Bytes> transfer(const Communicator::Impl& impl,
     const int from = (impl.rank + impl.size - step) % impl.size;
     core::Bytes& bytes = from_each[static_cast<std::size_t>(from)];
     bytes.resize(from_sizes[static_cast<std::size_t>(from)]);
-    detail::start_receives(bytes, from, kTransferTag, impl.collective, impl.piece_bytes, requests);
+    start_receives(bytes, from, kTransferTag, impl.collective, impl.piece_bytes, requests);
   }
   for (int step = 1; step < impl.size; ++step) {
     const int to = (impl.rank + step) % impl.size;
-    detail::start_sends(to_each[static_cast<std::size_t>(to)], to, kTransferTag, impl.collective,
-                        impl.piece_bytes, requests);
+    start_sends(to_each[static_cast<std::size_t>(to)], to, kTransferTag, impl.collective, impl.piece_bytes,
+                requests);
   }
   const auto self = static_cast<std::size_t>(impl.rank);
   if (from_sizes[self] > 0) from_each[self].assign(to_each[self].begin(), to_each[self].end());
-  detail::wait_for_transfers(requests);
+  wait_for_transfers(requests);
   return from_each;
 }
 
@@ -178,9 +175,9 @@ void Communicator::agree(const std::optional<core::Error>& mine) const {
   const std::int64_t speaker = min<std::int64_t>(mine ? rank() : nobody);
   if (speaker == nobody) return;
   core::Bytes bytes;
-  if (speaker == rank()) bytes = detail::encode_error(*mine);
+  if (speaker == rank()) bytes = encode_error(*mine);
   broadcast(bytes, static_cast<int>(speaker));
-  const core::Error error = detail::decode_error(bytes);
+  const core::Error error = decode_error(bytes);
   throw AgreedError(error.status(), error.what());
 }
 

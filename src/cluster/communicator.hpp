@@ -31,7 +31,7 @@ inline constexpr std::size_t kDefaultPieceBytes = std::size_t{1} << 20;
 
 class Communicator {
  public:
-  struct Impl;  // the only place where MPI's types are seen: detail/mpi_calls.hpp
+  struct Impl;  // the only place where MPI's types are seen: mpi_calls.hpp
   explicit Communicator(std::unique_ptr<Impl> impl);
   ~Communicator();
   Communicator(const Communicator&) = delete;
@@ -109,5 +109,25 @@ class Communicator {
  private:
   std::unique_ptr<Impl> impl_;
 };
+
+// Sends what rank 0 has to all ranks. Collective.
+template <typename T>
+void broadcast_values(const Communicator& ranks, std::vector<T>& values) {
+  core::Bytes bytes;
+  if (ranks.is_root()) {
+    const auto view = core::as_bytes(values);
+    bytes.assign(view.begin(), view.end());
+  }
+  ranks.broadcast(bytes);
+  core::ByteReader reader(bytes);
+  values = reader.get_array<T>(bytes.size() / sizeof(T));
+}
+
+template <typename T>
+void broadcast_value(const Communicator& ranks, T& value) {
+  std::vector<T> values{value};
+  broadcast_values(ranks, values);
+  value = values.at(0);
+}
 
 }  // namespace colossus::cluster

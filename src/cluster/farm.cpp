@@ -10,15 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "cluster/detail/message_port.hpp"
-#include "cluster/detail/mpi_calls.hpp"
+#include "cluster/message_port.hpp"
+#include "cluster/mpi_calls.hpp"
 #include "cluster/stop.hpp"
 
 namespace colossus::cluster {
 namespace {
-
-using detail::Message;
-using detail::MessagePort;
 
 enum MessageKind : std::uint32_t { kTask, kStop, kResult, kFailure, kDone };
 
@@ -50,7 +47,7 @@ class Master {
     for (int round = 0; round < kTasksPerWorker; ++round)
       for (int worker = 1; worker <= worker_count_; ++worker) hand_out(worker);
     for (int worker = 1; worker <= worker_count_; ++worker) stop_if_idle(worker);
-    detail::Backoff backoff;
+    Backoff backoff;
     while (!port_.is_finished()) {
       stop_if_requested();
       if (std::optional<Message> message = port_.poll()) {
@@ -86,7 +83,7 @@ class Master {
     const int worker = message.peer;
     --state(worker).held_tasks;
     if (message.kind == kFailure) {
-      const core::Error error = detail::decode_error(message.payload);
+      const core::Error error = decode_error(message.payload);
       fail(with_place(error, message.task, worker), message.task);
       return;
     }
@@ -158,7 +155,7 @@ class Worker {
       : work_(work), port_(ranks.impl().farm, 1, ranks.impl().piece_bytes) {}
 
   FarmShare run() {
-    detail::Backoff backoff;
+    Backoff backoff;
     for (;;) {
       receive();
       if (is_stopped_) break;
@@ -198,7 +195,7 @@ class Worker {
       answer.payload = work_(task.payload);
     } catch (...) {
       answer.kind = kFailure;
-      answer.payload = detail::encode_error(core::error_of_current_exception());
+      answer.payload = encode_error(core::error_of_current_exception());
       has_failed_ = true;  // kStop is on its way: nothing that waits here need be begun
       tasks_.clear();
     }
@@ -247,13 +244,13 @@ FarmShare run_farm(const Communicator& ranks, std::size_t task_count, const Make
     core::Bytes verdict;  // empty: no failure
     if (ranks.is_root()) {
       if (const auto failure = Master(ranks, task_count, make_task, on_result).run())
-        verdict = detail::encode_error(*failure);
+        verdict = encode_error(*failure);
     } else {
       share = Worker(ranks, work).run();
     }
     ranks.broadcast(verdict);
     if (!verdict.empty()) {
-      const core::Error error = detail::decode_error(verdict);
+      const core::Error error = decode_error(verdict);
       throw AgreedError(error.status(), error.what());
     }
   }

@@ -9,15 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "cluster/detail/mpi_calls.hpp"
-#include "cluster/detail/stop_notices.hpp"
+#include "cluster/mpi_calls.hpp"
+#include "cluster/stop_notices.hpp"
 #include "core/hash.hpp"
 #include "core/log.hpp"
 
 namespace colossus::cluster {
 namespace {
-
-using detail::check_mpi;
 
 // How long a rank that failed alone waits for the others to come to the end, too.
 constexpr std::chrono::milliseconds kGrace{500};
@@ -96,7 +94,7 @@ std::string on_rank(int rank) { return fmt::format(" on rank {}", rank); }
 int say_farewell(const Communicator& world, const Outcome& outcome) {
   const Communicator::Impl& impl = world.impl();
   const std::span<const char> text(outcome.message);
-  detail::StopNotices* const stop = detail::stop_notices();
+  StopNotices* const stop = stop_notices();
   if (stop) stop->close();
   const Farewell mine{outcome.status,
                       text.empty() ? 0 : std::max<std::uint64_t>(1, core::hash64(core::as_bytes(text))),
@@ -108,7 +106,7 @@ int say_farewell(const Communicator& world, const Outcome& outcome) {
             "MPI_Iallgather");
   const bool is_lone_failure = !outcome.message.empty() && !outcome.is_agreed;
   const auto limit = is_lone_failure ? std::optional(kGrace) : std::nullopt;
-  if (!detail::wait_politely(request, limit)) {
+  if (!wait_politely(request, limit)) {
     print_error(on_rank(impl.rank), outcome.message);
     MPI_Abort(MPI_COMM_WORLD, outcome.status);
   }

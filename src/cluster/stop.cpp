@@ -3,15 +3,12 @@
 #include <csignal>
 #include <memory>
 
-#include "cluster/detail/mpi_calls.hpp"
-#include "cluster/detail/stop_notices.hpp"
+#include "cluster/mpi_calls.hpp"
+#include "cluster/stop_notices.hpp"
 #include "core/log.hpp"
 
 namespace colossus::cluster {
 namespace {
-
-using detail::check_mpi;
-using detail::StopNotices;
 
 constexpr int kNoticeTag = 1;
 
@@ -32,8 +29,6 @@ std::string name_of(int signal) {
 }
 
 }  // namespace
-
-namespace detail {
 
 std::string StopNotice::text() const {
   if (signal == 0) return "stopped: the time limit is reached";
@@ -101,8 +96,6 @@ void StopNotices::finish(int sender_count, bool has_root_sent) {
 
 StopNotices* stop_notices() { return notices().get(); }
 
-}  // namespace detail
-
 void watch_for_stop(const Communicator& ranks, std::optional<double> limit_seconds) {
   const Communicator::Impl& impl = ranks.impl();
   COLOSSUS_CHECK(!notices(), "watch_for_stop() is called once");
@@ -113,7 +106,7 @@ void watch_for_stop(const Communicator& ranks, std::optional<double> limit_secon
   for (const int signal : {SIGUSR1, SIGUSR2, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
 
-bool is_stop_requested() { return detail::stop_notices() && detail::stop_notices()->poll().has_value(); }
+bool is_stop_requested() { return stop_notices() && stop_notices()->poll().has_value(); }
 
 void throw_if_stop_requested() {
   if (is_stop_requested()) throw stop_error();
@@ -121,7 +114,7 @@ void throw_if_stop_requested() {
 
 core::Error stop_error() {
   COLOSSUS_CHECK(is_stop_requested());
-  return {core::Status::kStopped, detail::stop_notices()->poll()->text()};
+  return {core::Status::kStopped, stop_notices()->poll()->text()};
 }
 
 }  // namespace colossus::cluster

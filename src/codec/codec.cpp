@@ -16,14 +16,15 @@ constexpr int kFastLevel = 1;
 constexpr int kUsualLevel = 3;
 
 constexpr std::array kCodecs{
-    Codec{"predict", 5, 2, kFastLevel, &predict::order_by_traversal, &encode_predicted, &decode_predicted},
-    Codec{"zstd", 3, 1, kUsualLevel, &order_for_cache, &encode_packed, &decode_packed},
-    Codec{"paper", 4, 1, kFastLevel, &order_in_strips, &encode_paper, &decode_paper},
+    Codec{"predict", 5, 2, kFastLevel, &predict::order_by_traversal, &predict::encode_predicted,
+          &predict::decode_predicted},
+    Codec{"zstd", 3, 1, kUsualLevel, &zstd::order_for_cache, &zstd::encode_packed, &zstd::decode_packed},
+    Codec{"paper", 4, 1, kFastLevel, &paper::order_in_strips, &paper::encode_paper, &paper::decode_paper},
 };
 
 // A version that was written once stays readable.
 constexpr std::array kOldVersions{
-    Codec{"predict", 5, 1, kFastLevel, nullptr, nullptr, &decode_predicted_1},
+    Codec{"predict", 5, 1, kFastLevel, nullptr, nullptr, &predict::decode_predicted_1},
 };
 
 // Before there was a table, ids stood for schemes, and payloads had no checksum.

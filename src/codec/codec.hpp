@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "codec/coded_node.hpp"
+#include "codec/coded/coded_node.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec {
@@ -23,11 +23,11 @@ struct Codec {
   // use.
   void (*order)(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count);
   // The parts' triangles must be as order() leaves them; anything else is a bug and ends the program.
-  Sections (*encode)(const CodedNode& node);
+  coded::Sections (*encode)(const coded::CodedNode& node);
   // Fills the arrays of the parts, which have the right sizes; everything else about the node is known.
   // Total on any bytes, and no slower than linear in bytes and counts. What comes back may break what
   // CodedPart says of order, but indices are in range.
-  std::optional<core::Defect> (*decode)(const SectionViews& sections, CodedNode& node);
+  std::optional<core::Defect> (*decode)(const coded::SectionViews& sections, coded::CodedNode& node);
 };
 
 // All of them in their present versions, the default one first.

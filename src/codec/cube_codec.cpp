@@ -4,7 +4,7 @@
 #include <bit>
 #include <limits>
 
-#include "codec/renumber.hpp"
+#include "codec/coded/renumber.hpp"
 
 namespace colossus::codec {
 namespace {
@@ -17,9 +17,9 @@ std::uint32_t difference(std::int32_t coordinate, std::int32_t offset) {
   return static_cast<std::uint32_t>(std::int64_t{coordinate} - offset);
 }
 
-int width_of(const std::vector<Coordinates>& positions) {
+int width_of(const std::vector<coded::Coordinates>& positions) {
   std::uint32_t all = 0;  // the widest has the highest bit
-  for (const Coordinates& p : positions) all |= p[0] | p[1] | p[2];
+  for (const coded::Coordinates& p : positions) all |= p[0] | p[1] | p[2];
   return std::bit_width(all);
 }
 
@@ -31,7 +31,7 @@ geometry::Point offset_of(const std::vector<geometry::Point>& positions) {
   return least;
 }
 
-void check_encodable(const CubeMesh& cube) {
+void check_encodable(const coded::CubeMesh& cube) {
   const std::size_t n = cube.positions.size();
   COLOSSUS_CHECK(n <= std::numeric_limits<std::uint32_t>::max(), "{} vertices", n);
   COLOSSUS_CHECK(cube.normals.size() == (cube.has_normals ? n : 0), "{} normals", cube.normals.size());
@@ -43,15 +43,15 @@ void check_encodable(const CubeMesh& cube) {
 
 }  // namespace
 
-Payload encode(const CubeMesh& cube, const Codec& codec) {
+Payload encode(const coded::CubeMesh& cube, const Codec& codec) {
   check_encodable(cube);
-  CodedNode node;
+  coded::CodedNode node;
   node.is_cube = true;
   node.has_normals = cube.has_normals;
   node.has_colors = cube.has_colors;
   node.has_parents = cube.has_parents;
   node.offset = offset_of(cube.positions);
-  CodedPart part;
+  coded::CodedPart part;
   part.positions.reserve(cube.positions.size());
   for (const geometry::Point& p : cube.positions)
     part.positions.push_back(
@@ -65,15 +65,15 @@ Payload encode(const CubeMesh& cube, const Codec& codec) {
   return to_payload(node, codec);
 }
 
-core::Result<CubeMesh> decode_cube(std::span<const std::byte> bytes, const NodeCounts& most) {
+core::Result<coded::CubeMesh> decode_cube(std::span<const std::byte> bytes, const NodeCounts& most) {
   auto coded = from_payload(bytes, most);
   if (!coded) return coded.defect();
-  CodedNode& node = coded.value();
+  coded::CodedNode& node = coded.value();
   if (!node.is_cube) return Defect{"expected a cube's node, found one of tetrahedra", 3};
-  CodedPart& part = node.parts[0];
-  CubeMesh cube{node.has_normals, node.has_colors, node.has_parents, {}, {}, {}, {}, {}};
+  coded::CodedPart& part = node.parts[0];
+  coded::CubeMesh cube{node.has_normals, node.has_colors, node.has_parents, {}, {}, {}, {}, {}};
   cube.positions.reserve(part.positions.size());
-  for (const Coordinates& p : part.positions) {
+  for (const coded::Coordinates& p : part.positions) {
     geometry::Point point;
     for (int axis = 0; axis < 3; ++axis) {
       const std::int64_t coordinate = std::int64_t{node.offset[axis]} + p[static_cast<std::size_t>(axis)];
@@ -89,7 +89,7 @@ core::Result<CubeMesh> decode_cube(std::span<const std::byte> bytes, const NodeC
   if (offset_of(cube.positions) != node.offset) return Defect{"the offset is not the least coordinate", 0};
   if (std::min({node.offset.x, node.offset.y, node.offset.z}) < kLeastCoordinate)
     return Defect{"the offset is out of range", 0};
-  if (used_vertices(part.triangles, part.positions.size()) > part.positions.size())
+  if (coded::used_vertices(part.triangles, part.positions.size()) > part.positions.size())
     return Defect{"vertices are not in order of first use", 0};
   cube.normals = std::move(part.normals);
   cube.colors = std::move(part.colors);

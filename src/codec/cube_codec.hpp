@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "codec/cube_mesh.hpp"
+#include "codec/coded/cube_mesh.hpp"
 #include "codec/payload.hpp"
 
 namespace colossus::codec {
@@ -11,11 +11,11 @@ namespace colossus::codec {
 // Positions are stored against the least of each coordinate, with as many bits as the widest axis needs; no
 // coordinate is below -2^30. Triangles must be in the codec's order, vertices in that of their first use,
 // unused ones last: parents of other cubes' vertices are numbers in this order, so it is fixed before.
-Payload encode(const CubeMesh& cube, const Codec& codec);
+Payload encode(const coded::CubeMesh& cube, const Codec& codec);
 
 // Total on any input: a Defect, never undefined behaviour, and no more memory than `most` allows. Indices of
 // triangles are in range; those of parents are checked by who has the parent. Vertices are in order of first
 // use, unused ones last.
-core::Result<CubeMesh> decode_cube(std::span<const std::byte> bytes, const NodeCounts& most);
+core::Result<coded::CubeMesh> decode_cube(std::span<const std::byte> bytes, const NodeCounts& most);
 
 }  // namespace colossus::codec

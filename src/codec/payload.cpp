@@ -18,38 +18,40 @@ constexpr std::uint8_t kMaxPlaces = 8;
 constexpr std::size_t kChecksumBytes = sizeof(std::uint64_t);
 
 // Nine digits of base 5.
-constexpr std::uint32_t kFrameBase = 2 * kGreatestFrameEntry + 1;
+constexpr std::uint32_t kFrameBase = 2 * coded::kGreatestFrameEntry + 1;
 constexpr std::uint32_t kFrameCount = 1953125;
 
-std::uint32_t frame_number(const Frame& frame) {
+std::uint32_t frame_number(const coded::Frame& frame) {
   std::uint32_t number = 0;
   for (const auto& row : frame)
     for (const int entry : row) {
-      COLOSSUS_CHECK(entry >= -kGreatestFrameEntry && entry <= kGreatestFrameEntry, "frame entry {}", entry);
-      number = number * kFrameBase + static_cast<std::uint32_t>(entry + kGreatestFrameEntry);
+      COLOSSUS_CHECK(entry >= -coded::kGreatestFrameEntry && entry <= coded::kGreatestFrameEntry,
+                     "frame entry {}", entry);
+      number = number * kFrameBase + static_cast<std::uint32_t>(entry + coded::kGreatestFrameEntry);
     }
   return number;
 }
 
-Frame frame_of_number(std::uint32_t number) {
-  Frame frame{};
+coded::Frame frame_of_number(std::uint32_t number) {
+  coded::Frame frame{};
   for (std::size_t i = 9; i-- > 0; number /= kFrameBase)
     frame[i / 3][i % 3] =
-        static_cast<std::int8_t>(static_cast<int>(number % kFrameBase) - kGreatestFrameEntry);
+        static_cast<std::int8_t>(static_cast<int>(number % kFrameBase) - coded::kGreatestFrameEntry);
   return frame;
 }
 
 struct Head {
-  CodedNode node;  // without arrays
+  coded::CodedNode node;  // without arrays
   struct Counts {
     std::uint32_t vertices = 0;
     std::uint32_t triangles = 0;
   };
   std::vector<Counts> counts;  // of the parts
-  PerComponent<std::uint32_t> section_bytes{};
+  coded::PerComponent<std::uint32_t> section_bytes{};
 };
 
-void put_head(ByteWriter& writer, const CodedNode& node, const Codec& codec, const Sections& sections) {
+void put_head(ByteWriter& writer, const coded::CodedNode& node, const Codec& codec,
+              const coded::Sections& sections) {
   writer.put(codec.id);
   writer.put(codec.version);
   writer.put(static_cast<std::uint8_t>(node.position_bits));
@@ -57,7 +59,7 @@ void put_head(ByteWriter& writer, const CodedNode& node, const Codec& codec, con
       static_cast<std::uint8_t>((node.has_normals ? kNormalsFlag : 0) | (node.has_colors ? kColorsFlag : 0) |
                                 (node.has_parents ? kParentsFlag : 0) | (node.is_cube ? kCubeFlag : 0)));
   writer.put(static_cast<std::uint8_t>(node.parts.size()));
-  for (const CodedPart& part : node.parts) {
+  for (const coded::CodedPart& part : node.parts) {
     // Place and frame in one number of four bytes.
     writer.put(std::uint32_t{part.place} << 24 | frame_number(part.frame));
     writer.put(static_cast<std::uint32_t>(part.positions.size()));
@@ -69,7 +71,7 @@ void put_head(ByteWriter& writer, const CodedNode& node, const Codec& codec, con
 
 core::Result<Head> get_head(ByteReader& reader) {
   Head head;
-  CodedNode& node = head.node;
+  coded::CodedNode& node = head.node;
   reader.get<std::uint16_t>();  // codec_of() has looked at it
   node.position_bits = reader.get<std::uint8_t>();
   const auto flags = reader.get<std::uint8_t>();
@@ -86,7 +88,7 @@ core::Result<Head> get_head(ByteReader& reader) {
     const auto place_and_frame = reader.get<std::uint32_t>();
     const auto vertices = reader.get<std::uint32_t>();
     const auto triangles = reader.get<std::uint32_t>();
-    CodedPart part;
+    coded::CodedPart part;
     part.place = static_cast<std::uint8_t>(place_and_frame >> 24);
     if (part.place >= kMaxPlaces || (i > 0 && part.place <= node.parts.back().place))
       return Defect{"parts are not in order of their places", reader.offset()};
@@ -98,7 +100,7 @@ core::Result<Head> get_head(ByteReader& reader) {
   }
   if (node.is_cube) {
     node.offset = reader.get<geometry::Point>();
-    if (node.parts[0].place != 0 || node.parts[0].frame != kIdentityFrame)
+    if (node.parts[0].place != 0 || node.parts[0].frame != coded::kIdentityFrame)
       return Defect{"a cube has a place or a frame", 5};
   }
   for (auto& bytes : head.section_bytes) bytes = reader.get<std::uint32_t>();
@@ -118,7 +120,7 @@ std::optional<Defect> resize_arrays(Head& head, const NodeCounts& most) {
                               triangles, most.vertices, most.triangles),
                   5};
   for (std::size_t i = 0; i < head.counts.size(); ++i) {
-    CodedPart& part = head.node.parts[i];
+    coded::CodedPart& part = head.node.parts[i];
     const std::size_t n = head.counts[i].vertices;
     part.positions.resize(n);
     part.normals.resize(head.node.has_normals ? n : 0);
@@ -131,13 +133,13 @@ std::optional<Defect> resize_arrays(Head& head, const NodeCounts& most) {
 
 }  // namespace
 
-Payload to_payload(const CodedNode& node, const Codec& codec) {
-  const Sections sections = codec.encode(node);
+Payload to_payload(const coded::CodedNode& node, const Codec& codec) {
+  const coded::Sections sections = codec.encode(node);
   ByteWriter writer;
   put_head(writer, node, codec, sections);
   Payload payload;
   payload.cuts[0] = writer.size();
-  for (std::size_t i = 0; i < kComponentCount; ++i) {
+  for (std::size_t i = 0; i < coded::kComponentCount; ++i) {
     writer.put_bytes(sections[i]);
     payload.cuts[i + 1] = writer.size();
   }
@@ -146,7 +148,7 @@ Payload to_payload(const CodedNode& node, const Codec& codec) {
   return payload;
 }
 
-core::Result<CodedNode> from_payload(std::span<const std::byte> bytes, const NodeCounts& most) {
+core::Result<coded::CodedNode> from_payload(std::span<const std::byte> bytes, const NodeCounts& most) {
   const auto codec = codec_of(bytes);
   if (!codec) return codec.defect();
   if (bytes.size() < kChecksumBytes) return Defect{"the payload is cut short", bytes.size()};
@@ -156,8 +158,8 @@ core::Result<CodedNode> from_payload(std::span<const std::byte> bytes, const Nod
   ByteReader reader(content);
   auto head = get_head(reader);
   if (!head) return head.defect();
-  SectionViews sections;
-  for (std::size_t i = 0; i < kComponentCount; ++i)
+  coded::SectionViews sections;
+  for (std::size_t i = 0; i < coded::kComponentCount; ++i)
     sections[i] = reader.get_bytes(head.value().section_bytes[i]);
   if (reader.failed()) return Defect{"a section is cut short", reader.offset()};
   if (reader.remaining() != 0) return Defect{"bytes left over after the last section", reader.offset()};

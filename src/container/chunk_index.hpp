@@ -9,8 +9,8 @@
 #include <string>
 
 #include "container/chunk.hpp"
+#include "container/hdf5/read_driver.hpp"
 #include "container/node_table.hpp"
-#include "container/read_driver.hpp"
 #include "container/schema.hpp"
 
 namespace colossus::container {

@@ -289,7 +289,7 @@ void describe_chunks(const Blame& blame, hid_t object, std::uint32_t capacity_cl
 
 void describe_file(const Blame& blame, hid_t root) {
   write_text_attribute(blame, root, "producer", kProducerName);
-  write_text_attribute(blame, root, "producer_version", release_version());
+  write_text_attribute(blame, root, "producer_version", core::release_version());
   write_text_attribute(blame, root, "documentation", "schemas/container.md of the producer's sources");
   describe(blame, root, "/");
 }

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "container/hdf5_support.hpp"
+#include "container/hdf5/support.hpp"
 #include "container/schema.hpp"
 #include "container/table.hpp"
 

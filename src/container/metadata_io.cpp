@@ -231,8 +231,6 @@ void read_levels(const Blame& blame, hid_t file, const core::File& bytes, Metada
 
 }  // namespace
 
-const char* release_version() { return COLOSSUS_VERSION; }
-
 void write_metadata(const Blame& blame, hid_t file, const Metadata& metadata) {
   const std::uint32_t version[2] = {kSchemaMajor, kSchemaMinor};
   const auto attributes = static_cast<std::uint8_t>((metadata.has_normals ? kHasNormals : 0) |

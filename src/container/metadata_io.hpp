@@ -1,7 +1,7 @@
 // Private to this folder: Metadata to and from the attributes and small tables of an HDF5 file.
 #pragma once
 
-#include "container/hdf5_support.hpp"
+#include "container/hdf5/support.hpp"
 #include "container/schema.hpp"
 #include "core/file.hpp"
 

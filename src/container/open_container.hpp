@@ -4,8 +4,8 @@
 #include <memory>
 #include <mutex>
 
-#include "container/hdf5_support.hpp"
-#include "container/read_driver.hpp"
+#include "container/hdf5/read_driver.hpp"
+#include "container/hdf5/support.hpp"
 #include "core/file.hpp"
 
 namespace colossus::container {

@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/version.hpp"
+
 namespace colossus::container {
 
 // A reader refuses a larger major version. A larger minor version only adds fields, attributes and datasets.
@@ -85,9 +87,6 @@ struct LevelColumn {
   friend bool operator==(const LevelColumn&, const LevelColumn&) = default;
 };
 
-// The release of this program, such as "0.1.0".
-const char* release_version();
-
 // Nothing in here may depend on how the container was built (ranks, hosts, times): equal inputs and options
 // give equal bytes. Strings hold no zero bytes; columns have equal lengths.
 struct Metadata {
@@ -95,7 +94,7 @@ struct Metadata {
   std::uint32_t schema_minor = kSchemaMinor;
   // Likewise; empty in containers from before schema 1.2, which did not say it.
   std::string producer = kProducerName;
-  std::string producer_version = release_version();
+  std::string producer_version = core::release_version();
   std::string scheme = kSchemeDiamonds;
   LatticeInfo lattice;
   int position_bits = 12;  // 8 .. 16; of the weights of diamonds, of a side of the deepest cubes of blocks

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "container/hdf5_support.hpp"
+#include "container/hdf5/support.hpp"
 #include "core/bytes.hpp"
 #include "core/file.hpp"
 

@@ -13,8 +13,8 @@
 
 #include "container/chunk.hpp"
 #include "container/descriptions.hpp"
-#include "container/file_driver.hpp"
-#include "container/hdf5_support.hpp"
+#include "container/hdf5/file_driver.hpp"
+#include "container/hdf5/support.hpp"
 #include "container/metadata_io.hpp"
 #include "container/node_table.hpp"
 #include "container/reader.hpp"

@@ -32,9 +32,9 @@ struct Summary {
   double quantisation_error = 0.0;
 };
 
-Summary summarize(const StatueFile& statue) {
+Summary summarize(const access::StatueFile& statue) {
   Summary summary;
-  for (RowIndex index = 0; index < statue.rows().size(); ++index) {
+  for (access::RowIndex index = 0; index < statue.rows().size(); ++index) {
     const container::NodeRow& row = statue.rows()[index];
     if (summary.levels.empty() || summary.levels.back().level != row.level)
       summary.levels.push_back({.level = row.level});
@@ -159,7 +159,7 @@ std::string shrink_text(const container::Metadata& meta, const Summary& summary)
   return text;
 }
 
-std::string level_table(const StatueFile& statue, const Summary& summary) {
+std::string level_table(const access::StatueFile& statue, const Summary& summary) {
   std::vector<std::vector<std::string>> table{
       {"level", "nodes", "leaves", "triangles", "vertices", "bytes", "bits/vertex", "error"}};
   const container::Metadata& meta = statue.metadata();
@@ -191,7 +191,7 @@ std::string level_table(const StatueFile& statue, const Summary& summary) {
 
 }  // namespace
 
-std::string info_text(const StatueFile& statue) {
+std::string info_text(const access::StatueFile& statue) {
   const container::Metadata& meta = statue.metadata();
   const Summary summary = summarize(statue);
   std::string text = fmt::format("file                {} ({} bytes)\n", statue.container().path().string(),
@@ -230,7 +230,7 @@ std::string info_text(const StatueFile& statue) {
   return text + level_table(statue, summary) + shrink_text(meta, summary);
 }
 
-std::string info_json(const StatueFile& statue) {
+std::string info_json(const access::StatueFile& statue) {
   using nlohmann::ordered_json;
   const container::Metadata& meta = statue.metadata();
   const Summary summary = summarize(statue);

@@ -3,7 +3,7 @@
 // that were locked while this level was made, and of those that were locked earlier, while a finer one was.
 // The program builds blocks that are shifted by half a block; not shifted, the borders of all levels lie on
 // top of each other.
-#include "reader/clefts.hpp"
+#include "verify/blocks/clefts.hpp"
 
 #include <fmt/format.h>
 
@@ -11,39 +11,39 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "build/build.hpp"
 #include "cluster/session.hpp"
 #include "core/log.hpp"
+#include "pipeline/build.hpp"
 
 namespace {
 
 using namespace colossus;
 
-void print_level(const reader::CubeStatue& statue, std::uint32_t level, bool has_shifted_blocks) {
-  const reader::RowRange rows = statue.rows_of_level(level);
-  reader::EdgeLengths lengths;
-  for (reader::RowIndex row = rows.first; row < rows.last; ++row) {
-    const reader::EdgeLengths own = reader::edge_lengths(statue.load(row));
+void print_level(const reader::blocks::CubeStatue& statue, std::uint32_t level, bool has_shifted_blocks) {
+  const reader::blocks::RowRange rows = statue.rows_of_level(level);
+  verify::blocks::EdgeLengths lengths;
+  for (reader::access::RowIndex row = rows.first; row < rows.last; ++row) {
+    const verify::blocks::EdgeLengths own = verify::blocks::edge_lengths(statue.load(row));
     lengths.sum += own.sum;
     lengths.count += own.count;
   }
-  reader::CleftCounts counts;
-  for (reader::RowIndex row = rows.first; row < rows.last; ++row)
-    counts.add(reader::count_clefts(statue, static_cast<int>(level), statue.load(row), lengths.mean(),
-                                    has_shifted_blocks));
+  verify::blocks::CleftCounts counts;
+  for (reader::access::RowIndex row = rows.first; row < rows.last; ++row)
+    counts.add(verify::blocks::count_clefts(statue, static_cast<int>(level), statue.load(row), lengths.mean(),
+                                            has_shifted_blocks));
   const auto cell = [](const std::optional<double>& density) {
     return density ? fmt::format("{:.3f}", *density) : "-";
   };
-  const reader::CleftDensities densities = counts.densities();
+  const verify::measure::CleftDensities densities = counts.densities();
   fmt::print("{:5} {:10} {:>8} {:>8}\n", level, lengths.count / 3, cell(densities.locked),
              cell(densities.earlier));
 }
 
-void run(const cluster::Communicator& ranks, const build::BuildOptions& options) {
+void run(const cluster::Communicator& ranks, const pipeline::facts::BuildOptions& options) {
   core::set_log_enabled(false);
-  build::build(ranks, options);
+  pipeline::build(ranks, options);
   if (ranks.rank() != 0) return;
-  const reader::CubeStatue statue(options.output);
+  const reader::blocks::CubeStatue statue(options.output);
   fmt::print("level  triangles   locked  earlier\n");
   for (std::uint32_t level = statue.deepest_level(); level-- > 0;)
     print_level(statue, level, options.has_shifted_blocks);
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: clefts shifted|unshifted INPUT CONTAINER [LEAF_TRIANGLES]\n");
     return 2;
   }
-  build::BuildOptions options;
+  pipeline::facts::BuildOptions options;
   options.inputs = {argv[2]};
   options.output = argv[3];
   options.scheme = container::kSchemeBlocks;

@@ -12,8 +12,8 @@
 #include <ctime>
 #include <optional>
 
+#include "codec/coded/renumber.hpp"
 #include "codec/payload.hpp"
-#include "codec/renumber.hpp"
 #include "container/chunk.hpp"
 #include "container/reader.hpp"
 #include "rivals.hpp"
@@ -30,7 +30,7 @@ double cpu_seconds() {
 }
 
 struct Result {
-  codec::PerComponent<std::uint64_t> component_bytes{};
+  codec::coded::PerComponent<std::uint64_t> component_bytes{};
   std::uint64_t bytes = 0;
   double encode_seconds = 0.0;
   double decode_seconds = 0.0;
@@ -56,19 +56,19 @@ double best_seconds(Work work) {
   return best;
 }
 
-codec::CodedNode in_order(codec::CodedNode node, const codec::Codec& codec) {
-  for (codec::CodedPart& part : node.parts) {
+codec::coded::CodedNode in_order(codec::coded::CodedNode node, const codec::Codec& codec) {
+  for (codec::coded::CodedPart& part : node.parts) {
     codec.order(part.triangles, part.positions.size());
-    const auto before = codec::renumber_by_first_use(part.triangles, part.positions.size());
-    codec::permute(part.positions, before);
-    codec::permute(part.normals, before);
-    codec::permute(part.colors, before);
-    codec::permute(part.parents, before);
+    const auto before = codec::coded::renumber_by_first_use(part.triangles, part.positions.size());
+    codec::coded::permute(part.positions, before);
+    codec::coded::permute(part.normals, before);
+    codec::coded::permute(part.colors, before);
+    codec::coded::permute(part.parents, before);
   }
   return node;
 }
 
-void add_codec(Result& result, const codec::CodedNode& node, const codec::Codec& codec) {
+void add_codec(Result& result, const codec::coded::CodedNode& node, const codec::Codec& codec) {
   container::PackedChunk chunk;
   result.encode_seconds += best_seconds([&] {
     const codec::Payload payload = codec::to_payload(in_order(node, codec), codec);
@@ -80,12 +80,12 @@ void add_codec(Result& result, const codec::CodedNode& node, const codec::Codec&
     if (!decoded) core::fail(core::Status::kBadData, "{}: {}", codec.name, decoded.defect().message);
   });
   result.bytes += chunk.frame.size();
-  for (std::size_t i = 0; i < codec::kComponentCount; ++i)
+  for (std::size_t i = 0; i < codec::coded::kComponentCount; ++i)
     result.component_bytes[i] += chunk.piece_bytes[i + 1];
 }
 
-void add_rival(Result& result, const codec::CodedNode& node, const Rival& rival) {
-  for (const codec::CodedPart& part : node.parts) {
+void add_rival(Result& result, const codec::coded::CodedNode& node, const Rival& rival) {
+  for (const codec::coded::CodedPart& part : node.parts) {
     if (part.triangles.empty()) continue;
     bench::RivalBytes bytes;
     result.encode_seconds += best_seconds([&] { bytes = rival.encode(node, part); });
@@ -136,7 +136,7 @@ void run(const std::string& file, std::size_t most_nodes) {
       group->triangles += row.triangles;
       for (std::size_t r = 0; r < results.size(); ++r) {
         Result& sum = group->results[r];
-        for (std::size_t c = 0; c < codec::kComponentCount; ++c)
+        for (std::size_t c = 0; c < codec::coded::kComponentCount; ++c)
           sum.component_bytes[c] += results[r].component_bytes[c];
         sum.bytes += results[r].bytes;
         sum.encode_seconds += results[r].encode_seconds;

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "codec/node_codec.hpp"
-#include "codec/quantize.hpp"
+#include "codec/quantization/quantize.hpp"
 #include "container/chunk.hpp"
 #include "mesh/clip.hpp"
 #include "references.hpp"
@@ -42,8 +42,8 @@ double mean_edge(const bench::Simplified& mesh) {
   double sum = 0.0;
   for (const mesh::Triangle& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
-      const reader::WorldPoint& a = mesh.points[t[k]];
-      const reader::WorldPoint& b = mesh.points[t[(k + 1) % 3]];
+      const verify::measure::WorldPoint& a = mesh.points[t[k]];
+      const verify::measure::WorldPoint& b = mesh.points[t[(k + 1) % 3]];
       sum += std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
     }
   return sum / (3.0 * static_cast<double>(mesh.triangles.size()));
@@ -51,7 +51,7 @@ double mean_edge(const bench::Simplified& mesh) {
 
 void count_error(benchmark::State& state, const mesh::Mesh& mesh, const bench::Simplified& result) {
   const bench::Simplified input = in_doubles(mesh);
-  const reader::SurfaceDistances d = reader::surface_distances(
+  const verify::measure::SurfaceDistances d = verify::measure::surface_distances(
       {result.points, result.triangles}, {input.points, input.triangles}, kErrorSamples);
   state.counters["rms"] = std::max(d.a_to_b.rms, d.b_to_a.rms) / mean_edge(input);
   state.counters["left"] =
@@ -155,11 +155,12 @@ void weld(benchmark::State& state) {
 }
 BENCHMARK(weld)->Arg(kFewRings)->Unit(benchmark::kMillisecond);
 
-codec::NodeMesh quantized(const mesh::Mesh& mesh) {
-  codec::NodeMesh node;
+codec::coded::NodeMesh quantized(const mesh::Mesh& mesh) {
+  codec::coded::NodeMesh node;
   node.has_normals = node.has_colors = true;
   node.tetrahedra.push_back(
-      codec::quantize(mesh, bench::cell(), 0, {node.position_bits, node.has_normals, node.has_colors})
+      codec::quantization::quantize(mesh, bench::cell(), 0,
+                                    {node.position_bits, node.has_normals, node.has_colors})
           .tetrahedron);
   codec::put_in_order(node.tetrahedra[0], codec::codecs().front());
   return node;
@@ -174,7 +175,7 @@ BENCHMARK(quantize)->Arg(kFewRings)->Unit(benchmark::kMillisecond);
 
 void encode(benchmark::State& state) {
   const mesh::Mesh mesh = bench::torus(static_cast<std::uint32_t>(state.range(0)));
-  const codec::NodeMesh node = quantized(mesh);
+  const codec::coded::NodeMesh node = quantized(mesh);
   for (auto _ : state) benchmark::DoNotOptimize(codec::encode(node, codec::codecs().front()));
   count_triangles(state, mesh);
 }
@@ -190,7 +191,7 @@ BENCHMARK(decode)->Arg(kFewRings)->Unit(benchmark::kMillisecond);
 
 void pack_chunk(benchmark::State& state) {
   const mesh::Mesh mesh = bench::torus(static_cast<std::uint32_t>(state.range(0)));
-  const codec::NodeMesh node = quantized(mesh);
+  const codec::coded::NodeMesh node = quantized(mesh);
   const core::Bytes bytes = codec::encode(node, codec::codecs().front()).bytes;
   std::size_t packed = 0;
   for (auto _ : state) packed = container::pack_chunk(bytes).frame.size();

@@ -10,10 +10,10 @@
 #include <variant>
 
 #include "input/load.hpp"
-#include "reader/cube_extract.hpp"
-#include "reader/distance.hpp"
-#include "reader/extract.hpp"
+#include "reader/blocks/extract.hpp"
+#include "reader/diamonds/extract.hpp"
 #include "reader/open.hpp"
+#include "verify/measure/distance.hpp"
 
 namespace {
 
@@ -27,7 +27,7 @@ using ReferenceMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
 
 constexpr std::size_t kSamples = 200'000;
 
-double worse_rms(const reader::SurfaceDistances& d) { return std::max(d.a_to_b.rms, d.b_to_a.rms); }
+double worse_rms(const verify::measure::SurfaceDistances& d) { return std::max(d.a_to_b.rms, d.b_to_a.rms); }
 
 // The whole input, decimated by OpenMesh from the start: a second call on the same mesh would count deleted
 // faces.
@@ -43,7 +43,7 @@ double reference_rms(const input::LoadedMesh& input, std::size_t triangles) {
   decimater.initialize();
   decimater.decimate_to_faces(0, triangles);
   mesh.garbage_collection();
-  std::vector<reader::WorldPoint> points;
+  std::vector<verify::measure::WorldPoint> points;
   for (const auto v : mesh.vertices())
     points.push_back({mesh.point(v)[0], mesh.point(v)[1], mesh.point(v)[2]});
   std::vector<mesh::Triangle> kept;
@@ -53,22 +53,23 @@ double reference_rms(const input::LoadedMesh& input, std::size_t triangles) {
     for (const auto v : mesh.fv_range(f)) t[k++] = static_cast<std::uint32_t>(v.idx());
     kept.push_back(t);
   }
-  return worse_rms(reader::surface_distances({points, kept}, {input.positions, input.triangles}, kSamples));
+  return worse_rms(
+      verify::measure::surface_distances({points, kept}, {input.positions, input.triangles}, kSamples));
 }
 
 template <typename Statue>
 void compare(const Statue& statue, const std::string& file) {
   const input::LoadedMesh input = input::load_mesh(std::span(&file, 1));
-  const reader::Surface surface{input.positions, input.triangles};
+  const verify::measure::Surface surface{input.positions, input.triangles};
   // A level that still contains leaves is finer in parts than it is in others.
   std::uint32_t coarsest_leaf = statue.deepest_level();
-  for (reader::RowIndex row = 0; row < statue.rows().size(); ++row)
+  for (reader::access::RowIndex row = 0; row < statue.rows().size(); ++row)
     if (statue.is_leaf(row)) coarsest_leaf = std::min(coarsest_leaf, statue.rows()[row].level);
   fmt::print("level  triangles  rms           OpenMesh rms  ratio\n");
   for (std::uint32_t level = statue.deepest_level(); level + 1 > 0; --level) {
-    const reader::CutMesh cut = assemble(statue, cut_at_level(statue, level));
+    const reader::access::CutMesh cut = assemble(statue, cut_at_level(statue, level));
     const double ours =
-        worse_rms(reader::surface_distances({cut.positions, cut.triangles}, surface, kSamples));
+        worse_rms(verify::measure::surface_distances({cut.positions, cut.triangles}, surface, kSamples));
     const double theirs =
         cut.triangles.size() < input.triangles.size() ? reference_rms(input, cut.triangles.size()) : 0.0;
     fmt::print("{:5}  {:9}  {:<12.6g}  {:<12.6g}  {}{}\n", level, cut.triangles.size(), ours, theirs,

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "mesh/mesh.hpp"
-#include "reader/distance.hpp"
+#include "verify/measure/distance.hpp"
 
 namespace colossus::bench {
 
 struct Simplified {
-  std::vector<reader::WorldPoint> points;
+  std::vector<verify::measure::WorldPoint> points;
   std::vector<mesh::Triangle> triangles;
 };
 

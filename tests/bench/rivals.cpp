@@ -19,8 +19,8 @@
 namespace colossus::bench {
 namespace {
 
-using codec::CodedNode;
-using codec::CodedPart;
+using codec::coded::CodedNode;
+using codec::coded::CodedPart;
 using core::Bytes;
 using core::Status;
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "codec/coded_node.hpp"
+#include "codec/coded/coded_node.hpp"
 
 namespace colossus::bench {
 
@@ -16,9 +16,10 @@ struct RivalBytes {
 
 struct Rival {
   const char* name;
-  RivalBytes (*encode)(const codec::CodedNode& node, const codec::CodedPart& part);
+  RivalBytes (*encode)(const codec::coded::CodedNode& node, const codec::coded::CodedPart& part);
   // Throws Error(kBadData) when it fails.
-  void (*decode)(const codec::CodedNode& node, const codec::CodedPart& part, const RivalBytes& bytes);
+  void (*decode)(const codec::coded::CodedNode& node, const codec::coded::CodedPart& part,
+                 const RivalBytes& bytes);
 };
 
 // Those that were there when this was compiled.

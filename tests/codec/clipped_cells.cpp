@@ -38,9 +38,9 @@ Mesh side_of(const Mesh& mesh, const geometry::Plane& plane, const Tetrahedron& 
   return {};
 }
 
-using Indices = std::map<ScaledPosition, std::uint32_t>;
+using Indices = std::map<coded::ScaledPosition, std::uint32_t>;
 
-std::uint32_t index_of(Indices& indices, const ScaledPosition& position) {
+std::uint32_t index_of(Indices& indices, const coded::ScaledPosition& position) {
   return indices.try_emplace(position, static_cast<std::uint32_t>(indices.size())).first->second;
 }
 
@@ -83,11 +83,11 @@ SeenCell unquantised(const Cell& cell) {
 }
 
 SeenCell quantised(const Cell& cell, int bits) {
-  const QuantizedTetrahedron part =
-      quantize(cell.mesh, cell.tetrahedron, 0, {bits, false, false}).tetrahedron;
+  const coded::QuantizedTetrahedron part =
+      quantization::quantize(cell.mesh, cell.tetrahedron, 0, {bits, false, false}).tetrahedron;
   SeenCell seen{cell.tetrahedron, {}, part.marks, part.triangles};
-  for (const Weights& weights : part.weights)
-    seen.positions.push_back(scaled_position(weights, cell.tetrahedron));
+  for (const coded::Weights& weights : part.weights)
+    seen.positions.push_back(coded::scaled_position(weights, cell.tetrahedron));
   return seen;
 }
 
@@ -114,7 +114,8 @@ EdgeCounts count_edges(const std::vector<SeenCell>& cells) {
 FaceEdges compare_faces(const std::vector<SeenCell>& cells) {
   FaceEdges found;
   // Directions of each edge, net, of both sides together.
-  std::map<std::array<Point, 3>, std::map<std::pair<ScaledPosition, ScaledPosition>, int>> faces;
+  std::map<std::array<Point, 3>, std::map<std::pair<coded::ScaledPosition, coded::ScaledPosition>, int>>
+      faces;
   for (const SeenCell& cell : cells)
     for (const Triangle& t : cell.triangles)
       for (std::size_t k = 0; k < 3; ++k) {

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "codec/quantize.hpp"
+#include "codec/quantization/quantize.hpp"
 #include "geometry/vector.hpp"
 
 namespace colossus::codec {
@@ -25,7 +25,7 @@ std::vector<Cell> clip_to_cells(const mesh::Mesh& mesh, int level);
 // A cell as its readers see it: positions that are equal between cells where they coincide.
 struct SeenCell {
   hierarchy::Tetrahedron tetrahedron;
-  std::vector<ScaledPosition> positions;
+  std::vector<coded::ScaledPosition> positions;
   std::vector<std::uint8_t> marks;  // bit i: on the face opposite corner i
   std::vector<mesh::Triangle> triangles;
 };

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "codec/node_codec.hpp"
-#include "codec/quantize.hpp"
+#include "codec/quantization/quantize.hpp"
 #include "mesh/topology.hpp"
 
 namespace colossus::codec {
@@ -70,8 +70,9 @@ Point random_point_of(Random& random, const std::vector<Point>& corners) {
   return point;
 }
 
-std::array<double, 3> decoded_position(const Weights& weights, const Tetrahedron& tetrahedron, int bits) {
-  const ScaledPosition scaled = scaled_position(weights, tetrahedron);
+std::array<double, 3> decoded_position(const coded::Weights& weights, const Tetrahedron& tetrahedron,
+                                       int bits) {
+  const coded::ScaledPosition scaled = coded::scaled_position(weights, tetrahedron);
   std::array<double, 3> position{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     position[axis] = std::ldexp(static_cast<double>(scaled[axis]), -bits);
@@ -85,8 +86,8 @@ double distance(const std::array<double, 3>& a, const Point& b) {
 void expect_exact_weights(const Tetrahedron& tetrahedron, const Point& point, int bits) {
   SCOPED_TRACE(testing::Message() << "point " << point.x << ' ' << point.y << ' ' << point.z << ", bits "
                                   << bits);
-  const Barycentric barycentric(tetrahedron);
-  const Weights weights = barycentric.weights(point, bits);
+  const quantization::Barycentric barycentric(tetrahedron);
+  const coded::Weights weights = barycentric.weights(point, bits);
   EXPECT_EQ(std::accumulate(weights.begin(), weights.end(), std::uint64_t{0}), std::uint64_t{1} << bits);
   std::uint8_t marks = 0;  // by the planes alone
   for (int i = 0; i < 4; ++i) {
@@ -99,7 +100,7 @@ void expect_exact_weights(const Tetrahedron& tetrahedron, const Point& point, in
     EXPECT_LT(std::abs(weights[k] - std::ldexp(lambda, bits)), 4.0) << "corner " << i;
     if (plane.side(point) == 0) marks = static_cast<std::uint8_t>(marks | 1U << i);
   }
-  EXPECT_EQ(marks_of(weights), marks);
+  EXPECT_EQ(coded::marks_of(weights), marks);
 }
 
 TEST(Barycentric, WeightsSumToAllAndVanishExactlyOnTheOppositeFace) {
@@ -125,15 +126,15 @@ TEST(Barycentric, WeightsSumToAllAndVanishExactlyOnTheOppositeFace) {
 
 TEST(Barycentric, CornersKeepTheWholeWeightAndTheirNeighboursTheLeast) {
   const Tetrahedron root = hierarchy::Diamond::at(hierarchy::root_center()).tetrahedra[0];
-  const Barycentric barycentric(root);
+  const quantization::Barycentric barycentric(root);
   for (std::size_t i = 0; i < 4; ++i) {
-    Weights expected{};
+    coded::Weights expected{};
     expected[i] = 1U << 12;
     EXPECT_EQ(barycentric.weights(root.corners[i], 12), expected);
   }
   // One unit beside the first corner along the long edge: far less than a unit of weight, and yet not on the
   // corner.
-  EXPECT_EQ(barycentric.weights({1, 1, 1}, 12), (Weights{4095, 0, 0, 1}));
+  EXPECT_EQ(barycentric.weights({1, 1, 1}, 12), (coded::Weights{4095, 0, 0, 1}));
 }
 
 struct Side {
@@ -162,8 +163,8 @@ std::map<std::array<Point, 3>, std::vector<Side>> sides_of_faces(const hierarchy
 }
 
 void expect_same_weights(const Side& a, const Side& b, const Point& point, int bits) {
-  const Weights weights_a = Barycentric(a.tetrahedron).weights(point, bits);
-  const Weights weights_b = Barycentric(b.tetrahedron).weights(point, bits);
+  const coded::Weights weights_a = quantization::Barycentric(a.tetrahedron).weights(point, bits);
+  const coded::Weights weights_b = quantization::Barycentric(b.tetrahedron).weights(point, bits);
   EXPECT_EQ(weights_a[static_cast<std::size_t>(a.opposite)], 0U);
   EXPECT_EQ(weights_b[static_cast<std::size_t>(b.opposite)], 0U);
   for (std::size_t i = 0; i < 4; ++i)
@@ -249,7 +250,7 @@ mesh::Mesh noisy_torus(Random& random, const Point& center, double radius, std::
 }
 
 // The first vertex of each group that merges: the same weights and a common triangle.
-std::vector<std::uint32_t> merged_groups(const mesh::Mesh& mesh, const std::vector<Weights>& weights) {
+std::vector<std::uint32_t> merged_groups(const mesh::Mesh& mesh, const std::vector<coded::Weights>& weights) {
   std::vector<std::uint32_t> groups(mesh.vertices.size());
   std::iota(groups.begin(), groups.end(), 0U);
   for (bool has_changed = true; has_changed;) {
@@ -266,9 +267,9 @@ std::vector<std::uint32_t> merged_groups(const mesh::Mesh& mesh, const std::vect
 }
 
 void expect_displacement_bounds_all(const mesh::Mesh& mesh, const Tetrahedron& tetrahedron, int bits) {
-  const Quantized quantized = quantize(mesh, tetrahedron, 0, {bits, false, true});
-  const Barycentric barycentric(tetrahedron);
-  std::vector<Weights> weights;
+  const quantization::Quantized quantized = quantization::quantize(mesh, tetrahedron, 0, {bits, false, true});
+  const quantization::Barycentric barycentric(tetrahedron);
+  std::vector<coded::Weights> weights;
   for (const mesh::Vertex& vertex : mesh.vertices)
     weights.push_back(barycentric.weights(vertex.position, bits));
   const auto groups = merged_groups(mesh, weights);
@@ -301,7 +302,7 @@ TEST(Quantize, DisplacementBoundsTheMovementOfEveryVertex) {
       for (std::uint32_t v = 0; v < 99; ++v)
         soup.vertices.push_back(numbered_vertex(random_point_inside(random, tetrahedron), v));
       for (std::uint32_t v = 0; v < 99; v += 3) soup.triangles.push_back({v, v + 1, v + 2});
-      const int bits = static_cast<int>(pick(random, kMinPositionBits, kMaxPositionBits));
+      const int bits = static_cast<int>(pick(random, coded::kMinPositionBits, coded::kMaxPositionBits));
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", round " << round << ", bits " << bits);
       expect_displacement_bounds_all(soup, tetrahedron, bits);
     }
@@ -339,10 +340,12 @@ TEST(Quantize, MakesNoInnerEdgeNonManifold) {
     const double radius =
         std::ldexp(1.0, geometry::kRootBits - 2) * static_cast<double>(pick(random, 40, 80)) / 1000.0;
     const mesh::Mesh torus = noisy_torus(random, centroid(tetrahedron), radius, 32);
-    const QuantizedTetrahedron stored = quantize(torus, tetrahedron, 0, {8, false, false}).tetrahedron;
+    const coded::QuantizedTetrahedron stored =
+        quantization::quantize(torus, tetrahedron, 0, {8, false, false}).tetrahedron;
     merged += torus.vertices.size() - stored.weights.size();
-    std::map<Weights, std::uint32_t> welded;
-    for (const Weights& w : stored.weights) welded.try_emplace(w, static_cast<std::uint32_t>(welded.size()));
+    std::map<coded::Weights, std::uint32_t> welded;
+    for (const coded::Weights& w : stored.weights)
+      welded.try_emplace(w, static_cast<std::uint32_t>(welded.size()));
     std::vector<Triangle> triangles = stored.triangles;
     for (Triangle& t : triangles)
       for (auto& v : t) v = welded.at(stored.weights[v]);
@@ -367,7 +370,7 @@ std::vector<Point> spread_points(const Tetrahedron& tetrahedron) {
 }
 
 // Triangles by the numbers of the input's vertices, the smallest first.
-std::vector<Triangle> numbered_triangles(const QuantizedTetrahedron& part) {
+std::vector<Triangle> numbered_triangles(const coded::QuantizedTetrahedron& part) {
   std::vector<Triangle> triangles;
   for (const Triangle& t : part.triangles) {
     Triangle n{number_of(part.colors[t[0]]), number_of(part.colors[t[1]]), number_of(part.colors[t[2]])};
@@ -381,7 +384,7 @@ std::vector<Triangle> numbered_triangles(const QuantizedTetrahedron& part) {
 TEST(Quantize, OppositeAndEqualTrianglesStay) {
   const Tetrahedron root = first_root();
   const auto points = spread_points(root);
-  const QuantizeOptions options{8, false, true};
+  const quantization::QuantizeOptions options{8, false, true};
   const auto stored = [&](const std::vector<Triangle>& triangles) {
     return numbered_triangles(quantize(numbered_mesh(points, triangles), root, 0, options).tetrahedron);
   };
@@ -398,7 +401,8 @@ TEST(Quantize, DropsWhatBecomesDegenerateAndMergesItsVertices) {
   // 5 falls onto 0 in the first triangle, so the second is that of 0 too; the third has what is left of the
   // first for an edge.
   const mesh::Mesh mesh = numbered_mesh(points, {{0, 5, 1}, {5, 2, 3}, {1, 0, 4}});
-  const QuantizedTetrahedron part = quantize(mesh, root, 3, {8, false, true}).tetrahedron;
+  const coded::QuantizedTetrahedron part =
+      quantization::quantize(mesh, root, 3, {8, false, true}).tetrahedron;
   EXPECT_EQ(part.place, 3);
   EXPECT_EQ(numbered_triangles(part), (std::vector<Triangle>{{0, 2, 3}, {0, 4, 1}}));
   EXPECT_EQ(part.weights.size(), 5U);
@@ -411,7 +415,8 @@ TEST(Quantize, TrianglesUseVerticesInOrderOfFirstUse) {
   const Tetrahedron tetrahedron = random_tetrahedron(random, 6);
   mesh::Mesh torus = noisy_torus(random, centroid(tetrahedron), std::ldexp(1.0, 24), 30);
   torus.vertices.push_back(numbered_vertex(centroid(tetrahedron), 900));  // used by nothing
-  const QuantizedTetrahedron part = quantize(torus, tetrahedron, 1, {16, true, true}).tetrahedron;
+  const coded::QuantizedTetrahedron part =
+      quantization::quantize(torus, tetrahedron, 1, {16, true, true}).tetrahedron;
   std::uint32_t next = 0;
   for (const Triangle& t : part.triangles)
     for (const auto v : t) {
@@ -425,13 +430,13 @@ TEST(Quantize, TrianglesUseVerticesInOrderOfFirstUse) {
   for (Triangle& t : expected) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   std::sort(expected.begin(), expected.end());
   EXPECT_EQ(numbered_triangles(part), expected);
-  const Barycentric barycentric(tetrahedron);
+  const quantization::Barycentric barycentric(tetrahedron);
   for (std::size_t i = 0; i < part.weights.size(); ++i) {
     const mesh::Vertex& vertex = torus.vertices[number_of(part.colors[i])];
     EXPECT_EQ(part.weights[i], barycentric.weights(vertex.position, 16));
-    EXPECT_EQ(part.marks[i], marks_of(part.weights[i]));
+    EXPECT_EQ(part.marks[i], coded::marks_of(part.weights[i]));
   }
-  NodeMesh node{16, true, true, {part}};
+  coded::NodeMesh node{16, true, true, {part}};
   const auto decoded = decode(encode(node, codec_named("zstd")).bytes, {900, 1800});
   ASSERT_TRUE(decoded) << decoded.defect().message;
   EXPECT_EQ(decoded.value(), node);

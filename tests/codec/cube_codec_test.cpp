@@ -10,7 +10,7 @@
 #include <string>
 
 #include "codec/allocation_count.hpp"
-#include "codec/renumber.hpp"
+#include "codec/coded/renumber.hpp"
 #include "core/hash.hpp"
 
 namespace colossus::codec {
@@ -58,8 +58,8 @@ std::vector<Triangle> random_triangles(Random& random, std::uint32_t used) {
   return triangles;
 }
 
-CubeMesh random_cube(Random& random, const Shape& shape) {
-  CubeMesh cube;
+coded::CubeMesh random_cube(Random& random, const Shape& shape) {
+  coded::CubeMesh cube;
   cube.has_normals = (shape.flags & 1) != 0;
   cube.has_colors = (shape.flags & 2) != 0;
   cube.has_parents = (shape.flags & 4) != 0;
@@ -87,27 +87,27 @@ CubeMesh random_cube(Random& random, const Shape& shape) {
   return cube;
 }
 
-CubeMesh in_order(CubeMesh cube, const Codec& codec) {
+coded::CubeMesh in_order(coded::CubeMesh cube, const Codec& codec) {
   codec.order(cube.triangles, cube.positions.size());
-  const auto before = renumber_by_first_use(cube.triangles, cube.positions.size());
-  permute(cube.positions, before);
-  permute(cube.normals, before);
-  permute(cube.colors, before);
-  permute(cube.parents, before);
+  const auto before = coded::renumber_by_first_use(cube.triangles, cube.positions.size());
+  coded::permute(cube.positions, before);
+  coded::permute(cube.normals, before);
+  coded::permute(cube.colors, before);
+  coded::permute(cube.parents, before);
   return cube;
 }
 
-core::Bytes bytes_of(const CubeMesh& cube, const Codec& codec) {
+core::Bytes bytes_of(const coded::CubeMesh& cube, const Codec& codec) {
   return encode(in_order(cube, codec), codec).bytes;
 }
 
 // No test has more.
 constexpr NodeCounts kMost{1000000, 1000000};
 
-void expect_round_trip(const CubeMesh& cube) {
+void expect_round_trip(const coded::CubeMesh& cube) {
   for (const Codec& codec : codecs()) {
     SCOPED_TRACE(codec.name);
-    const CubeMesh ordered = in_order(cube, codec);
+    const coded::CubeMesh ordered = in_order(cube, codec);
     const auto decoded = decode_cube(encode(ordered, codec).bytes, kMost);
     ASSERT_TRUE(decoded) << decoded.defect().message << " at " << decoded.defect().offset;
     EXPECT_TRUE(decoded.value() == ordered);
@@ -143,7 +143,7 @@ TEST(CubeCodec, DecodesAnyNumberOfVerticesAndAnyParent) {
 }
 
 TEST(CubeCodec, KeepsTheFarthestCoordinates) {
-  CubeMesh cube;
+  coded::CubeMesh cube;
   cube.positions = {{kLeast, 0, kGreatest}, {kGreatest, kLeast, 0}, {0, kGreatest, kLeast}};
   cube.triangles = {{0, 1, 2}};
   expect_round_trip(cube);
@@ -174,7 +174,7 @@ void seal(core::Bytes& bytes) {
   std::memcpy(bytes.data() + size, &checksum, sizeof checksum);
 }
 
-void expect_valid(const CubeMesh& cube) {
+void expect_valid(const coded::CubeMesh& cube) {
   const std::size_t count = cube.positions.size();
   for (const Point& p : cube.positions)
     for (int axis = 0; axis < 3; ++axis) EXPECT_GE(p[axis], kLeast);
@@ -222,8 +222,8 @@ std::string defect_of(const core::Bytes& bytes) {
   return decoded ? "none" : decoded.defect().message;
 }
 
-CodedNode two_points(const Point& offset, std::uint32_t up, int bits) {
-  CodedNode node;
+coded::CodedNode two_points(const Point& offset, std::uint32_t up, int bits) {
+  coded::CodedNode node;
   node.is_cube = true;
   node.offset = offset;
   node.position_bits = bits;
@@ -250,7 +250,7 @@ TEST(CubeCodec, RefusesAnotherEncodingOfTheSameCube) {
     EXPECT_EQ(defect_of(to_payload(two_points({0, 0, 0}, 1, 1), codec).bytes), "none");
     EXPECT_EQ(defect_of(to_payload(two_points({0, 0, 0}, 1, 2), codec).bytes),
               "the position bits are not those of the widest axis");
-    CodedNode node = two_points({0, 0, 0}, 1, 1);
+    coded::CodedNode node = two_points({0, 0, 0}, 1, 1);
     node.parts[0].positions[0] = node.parts[0].positions[1];
     EXPECT_EQ(defect_of(to_payload(node, codec).bytes), "the offset is not the least coordinate");
   }
@@ -287,7 +287,7 @@ TEST(CubeCodec, AllocatesNoMoreThanASmallMultipleOfItsResult) {
 
 TEST(CubeCodecDeathTest, RefusesToEncodeWhatItCouldNotDecode) {
   const Codec& zstd = codec_named("zstd");
-  CubeMesh cube;
+  coded::CubeMesh cube;
   cube.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   cube.triangles = {{0, 2, 1}};
   EXPECT_DEATH(encode(cube, zstd), "order of first use");

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "codec/coded/renumber.hpp"
 #include "codec/cube_codec.hpp"
 #include "codec/node_codec.hpp"
-#include "codec/renumber.hpp"
 #include "core/hash.hpp"
 
 namespace colossus::codec {
@@ -47,23 +47,23 @@ std::vector<Triangle> nasty_triangles() {
   return triangles;
 }
 
-NodeMesh golden_node() {
-  NodeMesh node{12, true, true, {}};
+coded::NodeMesh golden_node() {
+  coded::NodeMesh node{12, true, true, {}};
   for (const std::uint8_t place : std::array<std::uint8_t, 2>{1, 4}) {
-    QuantizedTetrahedron part;
+    coded::QuantizedTetrahedron part;
     part.place = place;
-    part.frame =
-        place == 1 ? Frame{{{2, 0, 0}, {1, 1, 1}, {1, 1, -1}}} : Frame{{{1, 0, 0}, {1, 1, 0}, {1, 1, 1}}};
+    part.frame = place == 1 ? coded::Frame{{{2, 0, 0}, {1, 1, 1}, {1, 1, -1}}}
+                            : coded::Frame{{{1, 0, 0}, {1, 1, 0}, {1, 1, 1}}};
     part.triangles = nasty_triangles();
     for (std::uint32_t v = 0; v < kVertices; ++v) {
       const std::uint32_t x = v % kColumns;
       const std::uint32_t y = v / kColumns;
       // The left column lies on a face, one corner on two.
-      Weights w{x * 150, 200 + y * 170 + noise(v, 9) % 16U, 300U + noise(v, 10) % 8U, 0};
+      coded::Weights w{x * 150, 200 + y * 170 + noise(v, 9) % 16U, 300U + noise(v, 10) % 8U, 0};
       if (v == 0) w[1] = 0;
       w[3] = 4096 - w[0] - w[1] - w[2];
       part.weights.push_back(w);
-      part.marks.push_back(marks_of(w));
+      part.marks.push_back(coded::marks_of(w));
       part.normals.push_back({static_cast<std::uint8_t>(120 + noise(v, 0) % 12), noise(v, 1)});
       part.colors.push_back({noise(v, 2), static_cast<std::uint8_t>(100 + x), noise(v, 3), 255});
     }
@@ -72,8 +72,8 @@ NodeMesh golden_node() {
   return node;
 }
 
-CubeMesh golden_cube() {
-  CubeMesh cube{true, true, true, {}, {}, {}, {}, {}};
+coded::CubeMesh golden_cube() {
+  coded::CubeMesh cube{true, true, true, {}, {}, {}, {}, {}};
   cube.triangles = nasty_triangles();
   // The last three are used by no triangle.
   for (std::uint32_t v = 0; v < kVertices + 3; ++v) {
@@ -87,18 +87,18 @@ CubeMesh golden_cube() {
   return cube;
 }
 
-NodeMesh in_order(NodeMesh node, const Codec& codec) {
-  for (QuantizedTetrahedron& part : node.tetrahedra) put_in_order(part, codec);
+coded::NodeMesh in_order(coded::NodeMesh node, const Codec& codec) {
+  for (coded::QuantizedTetrahedron& part : node.tetrahedra) put_in_order(part, codec);
   return node;
 }
 
-CubeMesh in_order(CubeMesh cube, const Codec& codec) {
+coded::CubeMesh in_order(coded::CubeMesh cube, const Codec& codec) {
   codec.order(cube.triangles, cube.positions.size());
-  const auto before = renumber_by_first_use(cube.triangles, cube.positions.size());
-  permute(cube.positions, before);
-  permute(cube.normals, before);
-  permute(cube.colors, before);
-  permute(cube.parents, before);
+  const auto before = coded::renumber_by_first_use(cube.triangles, cube.positions.size());
+  coded::permute(cube.positions, before);
+  coded::permute(cube.normals, before);
+  coded::permute(cube.colors, before);
+  coded::permute(cube.parents, before);
   return cube;
 }
 
@@ -135,7 +135,7 @@ void expect_every_damage_is_refused(const core::Bytes& golden, Decode decode) {
 TEST(Golden, NodesOfEveryVersionDecodeToWhatTheyWereMadeOf) {
   for (const Codec& codec : codecs()) {
     SCOPED_TRACE(codec.name);
-    const NodeMesh node = in_order(golden_node(), codec);
+    const coded::NodeMesh node = in_order(golden_node(), codec);
     const core::Bytes now = encode(node, codec).bytes;
     const core::Bytes golden = golden_bytes(codec, "diamonds", now);
     ASSERT_FALSE(golden.empty());
@@ -151,7 +151,7 @@ TEST(Golden, NodesOfEveryVersionDecodeToWhatTheyWereMadeOf) {
 TEST(Golden, CubesOfEveryVersionDecodeToWhatTheyWereMadeOf) {
   for (const Codec& codec : codecs()) {
     SCOPED_TRACE(codec.name);
-    const CubeMesh cube = in_order(golden_cube(), codec);
+    const coded::CubeMesh cube = in_order(golden_cube(), codec);
     const core::Bytes now = encode(cube, codec).bytes;
     const core::Bytes golden = golden_bytes(codec, "blocks", now);
     ASSERT_FALSE(golden.empty());

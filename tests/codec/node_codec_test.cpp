@@ -5,7 +5,7 @@
 #include <cstring>
 #include <random>
 
-#include "codec/renumber.hpp"
+#include "codec/coded/renumber.hpp"
 #include "core/hash.hpp"
 
 namespace colossus::codec {
@@ -21,15 +21,15 @@ std::uint32_t pick(Random& random, std::uint32_t low, std::uint32_t high) {
 
 std::uint8_t random_byte(Random& random) { return static_cast<std::uint8_t>(pick(random, 0, 255)); }
 
-std::uint8_t face_marks(const Weights& weights) {
+std::uint8_t face_marks(const coded::Weights& weights) {
   std::uint8_t marks = 0;
   for (std::size_t i = 0; i < 4; ++i)
     if (weights[i] == 0) marks = static_cast<std::uint8_t>(marks | 1U << i);
   return marks;
 }
 
-Weights random_weights(Random& random, int bits) {
-  Weights weights{};
+coded::Weights random_weights(Random& random, int bits) {
+  coded::Weights weights{};
   std::uint32_t left = std::uint32_t{1} << bits;
   for (std::size_t i = 0; i < 4; ++i) {
     const std::uint32_t kind = pick(random, 0, 9);  // often 0, sometimes all
@@ -39,9 +39,9 @@ Weights random_weights(Random& random, int bits) {
   return weights;
 }
 
-QuantizedTetrahedron random_part(Random& random, const NodeMesh& node, std::uint8_t place,
-                                 std::uint32_t count) {
-  QuantizedTetrahedron part;
+coded::QuantizedTetrahedron random_part(Random& random, const coded::NodeMesh& node, std::uint8_t place,
+                                        std::uint32_t count) {
+  coded::QuantizedTetrahedron part;
   part.place = place;
   for (std::uint32_t v = 0; v < count; ++v) {
     part.weights.push_back(random_weights(random, node.position_bits));
@@ -67,29 +67,29 @@ QuantizedTetrahedron random_part(Random& random, const NodeMesh& node, std::uint
   return part;
 }
 
-NodeMesh random_node(Random& random, int bits, bool has_normals, bool has_colors,
-                     std::uint32_t most_vertices) {
-  NodeMesh node{bits, has_normals, has_colors, {}};
+coded::NodeMesh random_node(Random& random, int bits, bool has_normals, bool has_colors,
+                            std::uint32_t most_vertices) {
+  coded::NodeMesh node{bits, has_normals, has_colors, {}};
   for (std::uint8_t place = 0; place < 8; ++place)
     if (pick(random, 0, 1) == 0)
       node.tetrahedra.push_back(random_part(random, node, place, pick(random, 0, most_vertices)));
   return node;
 }
 
-NodeMesh in_order(NodeMesh node, const Codec& codec) {
-  for (QuantizedTetrahedron& part : node.tetrahedra) put_in_order(part, codec);
+coded::NodeMesh in_order(coded::NodeMesh node, const Codec& codec) {
+  for (coded::QuantizedTetrahedron& part : node.tetrahedra) put_in_order(part, codec);
   return node;
 }
 
-core::Bytes bytes_of(const NodeMesh& node, const Codec& codec) { return encode(node, codec).bytes; }
+core::Bytes bytes_of(const coded::NodeMesh& node, const Codec& codec) { return encode(node, codec).bytes; }
 
 // No test has more.
 constexpr NodeCounts kMost{1000000, 1000000};
 
-void expect_round_trip(const NodeMesh& node) {
+void expect_round_trip(const coded::NodeMesh& node) {
   for (const Codec& codec : codecs()) {
     SCOPED_TRACE(codec.name);
-    const NodeMesh ordered = in_order(node, codec);
+    const coded::NodeMesh ordered = in_order(node, codec);
     const auto decoded = decode(bytes_of(ordered, codec), kMost);
     ASSERT_TRUE(decoded) << decoded.defect().message << " at " << decoded.defect().offset;
     EXPECT_TRUE(decoded.value() == ordered);
@@ -98,7 +98,7 @@ void expect_round_trip(const NodeMesh& node) {
 
 TEST(NodeCodec, DecodesWhatItEncoded) {
   std::uint64_t seed = 100;
-  for (int bits = kMinPositionBits; bits <= kMaxPositionBits; ++bits)
+  for (int bits = coded::kMinPositionBits; bits <= coded::kMaxPositionBits; ++bits)
     for (const bool has_normals : {false, true})
       for (const bool has_colors : {false, true})
         for (int round = 0; round < 8; ++round) {
@@ -114,7 +114,7 @@ TEST(NodeCodec, DecodesAnyNumberOfVertices) {
     constexpr std::uint64_t kSeed = 1;
     SCOPED_TRACE(testing::Message() << "seed " << kSeed << ", vertices " << count);
     Random random(kSeed);
-    NodeMesh node{12, false, false, {}};
+    coded::NodeMesh node{12, false, false, {}};
     node.tetrahedra.push_back(random_part(random, node, 5, count));
     expect_round_trip(node);
   }
@@ -125,7 +125,8 @@ TEST(NodeCodec, RefusesAnyOtherLength) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       SCOPED_TRACE(testing::Message() << codec.name << ", seed " << seed);
       Random random(seed);
-      NodeMesh node = random_node(random, static_cast<int>(8 + seed % 9), seed % 2 == 0, seed % 3 == 0, 20);
+      coded::NodeMesh node =
+          random_node(random, static_cast<int>(8 + seed % 9), seed % 2 == 0, seed % 3 == 0, 20);
       node.tetrahedra.resize(std::min<std::size_t>(node.tetrahedra.size(), 4));
       core::Bytes bytes = bytes_of(in_order(node, codec), codec);
       for (std::size_t size = 0; size < bytes.size(); ++size)
@@ -138,7 +139,7 @@ TEST(NodeCodec, RefusesAnyOtherLength) {
 
 TEST(NodeCodec, RefusesMoreThanTheNodeTableSays) {
   Random random(5);
-  NodeMesh node{12, true, true, {}};
+  coded::NodeMesh node{12, true, true, {}};
   node.tetrahedra.push_back(random_part(random, node, 5, 100));
   const NodeCounts counts{100, node.tetrahedra[0].triangles.size()};
   for (const Codec& codec : codecs()) {
@@ -156,18 +157,18 @@ void seal(core::Bytes& bytes) {
   std::memcpy(bytes.data() + size, &checksum, sizeof checksum);
 }
 
-void expect_valid(const NodeMesh& node) {
-  EXPECT_GE(node.position_bits, kMinPositionBits);
-  EXPECT_LE(node.position_bits, kMaxPositionBits);
+void expect_valid(const coded::NodeMesh& node) {
+  EXPECT_GE(node.position_bits, coded::kMinPositionBits);
+  EXPECT_LE(node.position_bits, coded::kMaxPositionBits);
   int last_place = -1;
-  for (const QuantizedTetrahedron& part : node.tetrahedra) {
+  for (const coded::QuantizedTetrahedron& part : node.tetrahedra) {
     EXPECT_GT(int{part.place}, last_place);
     EXPECT_LT(int{part.place}, 8);
     last_place = part.place;
     const std::size_t count = part.weights.size();
     ASSERT_EQ(part.marks.size(), count);
     for (std::size_t v = 0; v < count; ++v) {
-      const Weights& w = part.weights[v];
+      const coded::Weights& w = part.weights[v];
       EXPECT_EQ(std::uint64_t{w[0]} + w[1] + w[2] + w[3], std::uint64_t{1} << node.position_bits);
       EXPECT_EQ(part.marks[v], face_marks(w));
     }
@@ -175,13 +176,13 @@ void expect_valid(const NodeMesh& node) {
     EXPECT_EQ(part.colors.size(), node.has_colors ? count : 0);
     for (const Triangle& t : part.triangles)
       for (const std::uint32_t v : t) EXPECT_LT(v, count);
-    EXPECT_EQ(used_vertices(part.triangles, count), count);
+    EXPECT_EQ(coded::used_vertices(part.triangles, count), count);
   }
 }
 
-NodeMesh three_parts(std::uint64_t seed) {
+coded::NodeMesh three_parts(std::uint64_t seed) {
   Random random(seed);
-  NodeMesh node{static_cast<int>(8 + seed % 9), seed % 2 == 0, seed % 3 == 0, {}};
+  coded::NodeMesh node{static_cast<int>(8 + seed % 9), seed % 2 == 0, seed % 3 == 0, {}};
   for (const std::uint8_t place : std::array<std::uint8_t, 3>{0, 3, 7})
     node.tetrahedra.push_back(random_part(random, node, place, 6));
   return node;

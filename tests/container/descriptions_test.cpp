@@ -61,12 +61,12 @@ class Descriptions : public ::testing::Test {
 TEST_F(Descriptions, TheRootSaysWhoMadeIt) {
   auto root = texts("/");
   EXPECT_EQ(root["producer"], "colossus");
-  EXPECT_EQ(root["producer_version"], release_version());
+  EXPECT_EQ(root["producer_version"], core::release_version());
   EXPECT_NE(root["documentation"].find("schemas/container.md"), std::string::npos);
   EXPECT_NE(root["units"].find("unit of the input"), std::string::npos);
   const Metadata metadata = ContainerReader(folder_ / "a.h5").metadata();
   EXPECT_EQ(metadata.producer, "colossus");
-  EXPECT_EQ(metadata.producer_version, release_version());
+  EXPECT_EQ(metadata.producer_version, core::release_version());
 }
 
 TEST_F(Descriptions, EveryObjectHasTitleDescriptionAndUnits) {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "codec/coded/renumber.hpp"
 #include "codec/cube_codec.hpp"
-#include "codec/renumber.hpp"
 #include "core/hash.hpp"
 
 namespace {
@@ -15,7 +15,7 @@ void expect(bool condition) {
   if (!condition) std::abort();
 }
 
-void expect_valid(const codec::CubeMesh& cube) {
+void expect_valid(const codec::coded::CubeMesh& cube) {
   const std::size_t count = cube.positions.size();
   for (const geometry::Point& p : cube.positions)
     for (int axis = 0; axis < 3; ++axis) expect(p[axis] >= -geometry::kRootSide);
@@ -41,15 +41,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   constexpr codec::NodeCounts kMost{10000, 10000};
   auto decoded = codec::decode_cube(sealed, kMost);
   if (!decoded) return 0;
-  codec::CubeMesh& cube = decoded.value();
+  codec::coded::CubeMesh& cube = decoded.value();
   expect_valid(cube);
   for (const codec::Codec& codec : codec::codecs()) {
     codec.order(cube.triangles, cube.positions.size());
-    const auto before = codec::renumber_by_first_use(cube.triangles, cube.positions.size());
-    codec::permute(cube.positions, before);
-    codec::permute(cube.normals, before);
-    codec::permute(cube.colors, before);
-    codec::permute(cube.parents, before);
+    const auto before = codec::coded::renumber_by_first_use(cube.triangles, cube.positions.size());
+    codec::coded::permute(cube.positions, before);
+    codec::coded::permute(cube.normals, before);
+    codec::coded::permute(cube.colors, before);
+    codec::coded::permute(cube.parents, before);
     const auto again = codec::decode_cube(codec::encode(cube, codec).bytes, kMost);
     expect(again.ok() && again.value() == cube);
   }

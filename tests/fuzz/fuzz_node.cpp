@@ -14,14 +14,15 @@ void expect(bool condition) {
   if (!condition) std::abort();
 }
 
-void expect_valid(const codec::NodeMesh& node) {
-  expect(node.position_bits >= codec::kMinPositionBits && node.position_bits <= codec::kMaxPositionBits);
+void expect_valid(const codec::coded::NodeMesh& node) {
+  expect(node.position_bits >= codec::coded::kMinPositionBits &&
+         node.position_bits <= codec::coded::kMaxPositionBits);
   int last_place = -1;
-  for (const codec::QuantizedTetrahedron& part : node.tetrahedra) {
+  for (const codec::coded::QuantizedTetrahedron& part : node.tetrahedra) {
     expect(int{part.place} > last_place);
     last_place = part.place;
     const std::size_t count = part.weights.size();
-    for (const codec::Weights& w : part.weights)
+    for (const codec::coded::Weights& w : part.weights)
       expect(std::uint64_t{w[0]} + w[1] + w[2] + w[3] == std::uint64_t{1} << node.position_bits);
     expect(part.marks.size() == count);
     expect(part.normals.size() == (node.has_normals ? count : 0));
@@ -44,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!node) return 0;
   expect_valid(node.value());
   for (const codec::Codec& codec : codec::codecs()) {
-    for (codec::QuantizedTetrahedron& part : node.value().tetrahedra) codec::put_in_order(part, codec);
+    for (codec::coded::QuantizedTetrahedron& part : node.value().tetrahedra) codec::put_in_order(part, codec);
     const auto again = codec::decode(codec::encode(node.value(), codec).bytes, kMost);
     expect(again.ok() && again.value() == node.value());
   }

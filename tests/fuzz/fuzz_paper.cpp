@@ -18,8 +18,8 @@ void expect(bool condition) {
   if (!condition) std::abort();
 }
 
-codec::CodedNode blank_node(core::ByteReader& reader) {
-  codec::CodedNode node;
+codec::coded::CodedNode blank_node(core::ByteReader& reader) {
+  codec::coded::CodedNode node;
   const auto flags = reader.get<std::uint8_t>();
   node.is_cube = (flags & 1) != 0;
   node.has_normals = (flags & 2) != 0;
@@ -27,7 +27,7 @@ codec::CodedNode blank_node(core::ByteReader& reader) {
   node.has_parents = (flags & 8) != 0;
   node.position_bits = reader.get<std::uint8_t>() % 33;
   node.parts.resize(node.is_cube ? 1 : reader.get<std::uint8_t>() % 9);
-  for (codec::CodedPart& part : node.parts) {
+  for (codec::coded::CodedPart& part : node.parts) {
     const std::size_t n = reader.get<std::uint8_t>();
     part.positions.resize(n);
     part.normals.resize(node.has_normals ? n : 0);
@@ -38,26 +38,26 @@ codec::CodedNode blank_node(core::ByteReader& reader) {
   return node;
 }
 
-codec::SectionViews views(const codec::Sections& sections) {
-  codec::SectionViews result;
+codec::coded::SectionViews views(const codec::coded::Sections& sections) {
+  codec::coded::SectionViews result;
   std::copy(sections.begin(), sections.end(), result.begin());
   return result;
 }
 
-void expect_round_trip(const codec::CodedNode& node) {
-  const codec::Sections sections = codec::encode_paper(node);
-  codec::CodedNode again = node;
-  for (codec::CodedPart& part : again.parts) {
-    std::fill(part.positions.begin(), part.positions.end(), codec::Coordinates{});
-    std::fill(part.normals.begin(), part.normals.end(), codec::OctahedralNormal{});
+void expect_round_trip(const codec::coded::CodedNode& node) {
+  const codec::coded::Sections sections = codec::paper::encode_paper(node);
+  codec::coded::CodedNode again = node;
+  for (codec::coded::CodedPart& part : again.parts) {
+    std::fill(part.positions.begin(), part.positions.end(), codec::coded::Coordinates{});
+    std::fill(part.normals.begin(), part.normals.end(), codec::coded::OctahedralNormal{});
     std::fill(part.colors.begin(), part.colors.end(), mesh::Color{});
     std::fill(part.parents.begin(), part.parents.end(), 0);
     std::fill(part.triangles.begin(), part.triangles.end(), mesh::Triangle{});
   }
-  expect(!codec::decode_paper(views(sections), again));
+  expect(!codec::paper::decode_paper(views(sections), again));
   for (std::size_t i = 0; i < node.parts.size(); ++i) {
-    const codec::CodedPart& a = node.parts[i];
-    const codec::CodedPart& b = again.parts[i];
+    const codec::coded::CodedPart& a = node.parts[i];
+    const codec::coded::CodedPart& b = again.parts[i];
     expect(a.positions == b.positions && a.normals == b.normals && a.colors == b.colors);
     expect(a.parents == b.parents && a.triangles == b.triangles);
   }
@@ -67,17 +67,18 @@ void expect_round_trip(const codec::CodedNode& node) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   core::ByteReader reader(std::as_bytes(std::span(data, size)));
-  codec::CodedNode node = blank_node(reader);
-  codec::SectionViews sections;
+  codec::coded::CodedNode node = blank_node(reader);
+  codec::coded::SectionViews sections;
   for (std::size_t i = 0; i < sections.size(); ++i)
     sections[i] =
         reader.get_bytes(i + 1 < sections.size() ? reader.get<std::uint16_t>() : reader.remaining());
-  if (reader.failed() || codec::decode_paper(sections, node)) return 0;
-  for (const codec::CodedPart& part : node.parts)
+  if (reader.failed() || codec::paper::decode_paper(sections, node)) return 0;
+  for (const codec::coded::CodedPart& part : node.parts)
     for (const mesh::Triangle& t : part.triangles)
       for (const std::uint32_t v : t) expect(v < part.positions.size());
   expect_round_trip(node);
-  for (codec::CodedPart& part : node.parts) codec::order_in_strips(part.triangles, part.positions.size());
+  for (codec::coded::CodedPart& part : node.parts)
+    codec::paper::order_in_strips(part.triangles, part.positions.size());
   expect_round_trip(node);
   return 0;
 }

@@ -28,14 +28,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                               : number < codecs.size() ? codecs[number]
                                                        : old_versions[number - codecs.size()];
   const auto flags = reader.get<std::uint8_t>();
-  codec::CodedNode node;
+  codec::coded::CodedNode node;
   node.has_normals = (flags & 1) != 0;
   node.has_colors = (flags & 2) != 0;
   node.has_parents = (flags & 4) != 0;
   node.is_cube = (flags & 8) != 0;
   node.position_bits = reader.get<std::uint8_t>() % 33;
   node.parts.resize(node.is_cube ? 1 : 1 + flags / 128);
-  for (codec::CodedPart& part : node.parts) {
+  for (codec::coded::CodedPart& part : node.parts) {
     const std::size_t vertices = reader.get<std::uint16_t>() % 128;
     part.positions.resize(vertices);
     part.normals.resize(node.has_normals ? vertices : 0);
@@ -46,11 +46,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (auto& row : part.frame)
         for (auto& entry : row) entry = static_cast<std::int8_t>(reader.get<std::uint8_t>() % 5 - 2);
   }
-  codec::SectionViews sections;
+  codec::coded::SectionViews sections;
   for (auto& section : sections)
     section = reader.get_bytes(std::min<std::uint64_t>(reader.get<std::uint16_t>(), reader.remaining()));
   std::vector<std::size_t> counts;
-  for (const codec::CodedPart& part : node.parts) counts.push_back(part.triangles.size());
+  for (const codec::coded::CodedPart& part : node.parts) counts.push_back(part.triangles.size());
   if (codec.decode(sections, node)) return 0;
   for (std::size_t i = 0; i < node.parts.size(); ++i) {
     expect(node.parts[i].triangles.size() == counts[i]);

@@ -2,10 +2,12 @@
 // pass.
 #include <cmath>
 
-#include "input/input_testing.hpp"
 #include "input/load.hpp"
+#include "support/input_testing.hpp"
 
 namespace colossus::input {
+
+using namespace support;
 namespace {
 
 using Colors = std::vector<Color>;

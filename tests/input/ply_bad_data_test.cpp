@@ -2,9 +2,11 @@
 #include <limits>
 
 #include "input/load.hpp"
-#include "input_testing.hpp"
+#include "support/input_testing.hpp"
 
 namespace colossus::input {
+
+using namespace support;
 namespace {
 
 constexpr BodyFormat kFormats[] = {BodyFormat::kAscii, BodyFormat::kLittle, BodyFormat::kBig};

@@ -2,9 +2,11 @@
 #include <iostream>
 #include <random>
 
-#include "input_testing.hpp"
+#include "support/input_testing.hpp"
 
 namespace colossus::input {
+
+using namespace support;
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;

@@ -1,9 +1,11 @@
 // What open_source() and expand_inputs() decide.
 #include <type_traits>
 
-#include "input_testing.hpp"
+#include "support/input_testing.hpp"
 
 namespace colossus::input {
+
+using namespace support;
 namespace {
 
 static_assert(std::is_trivially_copyable_v<Part>, "parts are sent to other ranks");

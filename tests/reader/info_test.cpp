@@ -4,9 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "reader/statue_fixture.hpp"
+#include "support/diamonds_fixture.hpp"
 
 namespace colossus::reader {
+
+using namespace support;
 namespace {
 
 TEST(Info, JsonHoldsTheMetadataAndSumsPerLevel) {
@@ -16,7 +18,7 @@ TEST(Info, JsonHoldsTheMetadataAndSumsPerLevel) {
   const auto json = nlohmann::json::parse(info_json(*statue));
   EXPECT_EQ(json["scheme"], "diamonds");
   EXPECT_EQ(json["producer"]["name"], "colossus");
-  EXPECT_EQ(json["producer"]["version"], container::release_version());
+  EXPECT_EQ(json["producer"]["version"], core::release_version());
   EXPECT_EQ(json["position_bits"], 12);
   EXPECT_EQ(json["counts"]["triangles"], 1920);
   EXPECT_EQ(json["options"]["leaf-triangles"], "200");
@@ -35,7 +37,7 @@ TEST(Info, JsonHoldsTheMetadataAndSumsPerLevel) {
   }
   std::uint64_t expected = 0;
   std::uint64_t expected_leaves = 0;
-  for (RowIndex row = 0; row < statue->rows().size(); ++row) {
+  for (access::RowIndex row = 0; row < statue->rows().size(); ++row) {
     expected += statue->rows()[row].triangles;
     expected_leaves += statue->is_leaf(row) ? 1 : 0;
   }
@@ -76,11 +78,11 @@ TEST(Info, QuantisationErrorIsABound) {
   const auto statue = fixture.open();
   const auto json = nlohmann::json::parse(info_json(*statue));
   const double bound = json["quantisation_error"].get<double>() + json["lattice_error"].get<double>();
-  const CutMesh finest = assemble(*statue, cut_at_level(*statue, 99));
+  const access::CutMesh finest = assemble(*statue, cut_at_level(*statue, 99));
   double greatest = 0.0;
-  for (const WorldPoint& p : input.points) {
+  for (const verify::measure::WorldPoint& p : input.points) {
     double nearest = 1e300;
-    for (const WorldPoint& q : finest.positions)
+    for (const verify::measure::WorldPoint& q : finest.positions)
       nearest = std::min(nearest, std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]));
     greatest = std::max(greatest, nearest);
   }

@@ -6,9 +6,11 @@
 
 #include "core/error.hpp"
 #include "scratch/spool.hpp"
-#include "temporary_directory.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace colossus::scratch {
+
+using namespace support;
 namespace {
 
 template <typename Action>

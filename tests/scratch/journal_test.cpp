@@ -8,9 +8,11 @@
 
 #include "scratch/directory.hpp"
 #include "scratch/spool.hpp"
-#include "temporary_directory.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace colossus::scratch {
+
+using namespace support;
 namespace {
 
 using core::Bytes;

@@ -9,9 +9,11 @@
 #include <fstream>
 #include <random>
 
-#include "temporary_directory.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace colossus::scratch {
+
+using namespace support;
 namespace {
 
 using core::Bytes;

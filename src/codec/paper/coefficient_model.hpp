@@ -6,16 +6,16 @@
 #include <bit>
 #include <cstdint>
 
-#include "codec/range_coder.hpp"
+#include "codec/entropy/range_coder.hpp"
 
-namespace colossus::codec {
+namespace colossus::codec::paper {
 
 // Of one stream. Its numbers are signed ones of `bits` bits, 1 to kMaxBits.
 class CoefficientModel {
  public:
   static constexpr int kMaxBits = 33;
 
-  void encode(RangeEncoder& encoder, std::int64_t value, int bits) {
+  void encode(entropy::RangeEncoder& encoder, std::int64_t value, int bits) {
     encoder.encode(value != 0, nonzero_);
     if (value == 0) return;
     const auto magnitude = static_cast<std::uint64_t>(value < 0 ? -value : value);
@@ -28,7 +28,7 @@ class CoefficientModel {
   }
 
   // A number of so many bits, whatever the bytes.
-  std::int64_t decode(RangeDecoder& decoder, int bits) {
+  std::int64_t decode(entropy::RangeDecoder& decoder, int bits) {
     if (!decoder.decode(nonzero_)) return 0;
     std::size_t exponent = 0;
     while (exponent < last_exponent(bits) && decoder.decode(greater_[exponent])) ++exponent;
@@ -48,10 +48,10 @@ class CoefficientModel {
     return exponent * (exponent - 1) / 2 + bit;
   }
 
-  BitModel nonzero_;
-  std::array<BitModel, kMaxBits> greater_;  // than the exponent i, by i
-  std::array<BitModel, kMaxBits> negative_;
-  std::array<BitModel, kMaxBits*(kMaxBits - 1) / 2> mantissa_;
+  entropy::BitModel nonzero_;
+  std::array<entropy::BitModel, kMaxBits> greater_;  // than the exponent i, by i
+  std::array<entropy::BitModel, kMaxBits> negative_;
+  std::array<entropy::BitModel, kMaxBits*(kMaxBits - 1) / 2> mantissa_;
 };
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::paper

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-namespace colossus::codec {
+namespace colossus::codec::paper {
 namespace {
 
 // The square falls into four quadrants by the signs of both values, where -1 stands next to the axis as 0
@@ -61,4 +61,4 @@ void haar_analyze(std::span<std::int64_t> values) {
 
 std::size_t last_haar_step(std::size_t count) { return count < 2 ? 0 : std::bit_floor(count - 1); }
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::paper

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <span>
 
-namespace colossus::codec {
+namespace colossus::codec::paper {
 
 inline constexpr int kMaxTransformBits = 33;
 
@@ -49,4 +49,4 @@ void haar_synthesize(std::span<std::int64_t> values, Difference&& difference) {
     }
 }
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::paper

@@ -7,7 +7,7 @@
 #include "codec/paper/haar.hpp"
 #include "codec/paper/strips.hpp"
 
-namespace colossus::codec {
+namespace colossus::codec::paper {
 namespace {
 
 using core::Defect;
@@ -26,7 +26,7 @@ constexpr Range kByte{8, false};
 constexpr Range kChroma{9, true};
 
 // Weights can be 2^bits themselves, coordinates of cubes cannot.
-Range position_range(const CodedNode& node) {
+Range position_range(const coded::CodedNode& node) {
   return {node.is_cube ? std::max(1, node.position_bits) : node.position_bits + 1, false};
 }
 
@@ -37,7 +37,7 @@ Range index_range(std::size_t count) {
 // One stream's share of a section: transform and models.
 class StreamWriter {
  public:
-  explicit StreamWriter(RangeEncoder& encoder) : encoder_(encoder) {}
+  explicit StreamWriter(entropy::RangeEncoder& encoder) : encoder_(encoder) {}
   void put(Stream values, const Range& range) {
     if (values.empty()) return;
     for (auto& value : values) value -= range.middle();
@@ -49,13 +49,13 @@ class StreamWriter {
   }
 
  private:
-  RangeEncoder& encoder_;
+  entropy::RangeEncoder& encoder_;
   CoefficientModel model_;
 };
 
 class StreamReader {
  public:
-  explicit StreamReader(RangeDecoder& decoder) : decoder_(decoder) {}
+  explicit StreamReader(entropy::RangeDecoder& decoder) : decoder_(decoder) {}
   // Numbers within the range, whatever the bytes.
   Stream get(std::size_t count, const Range& range) {
     Stream values(count);
@@ -67,7 +67,7 @@ class StreamReader {
   }
 
  private:
-  RangeDecoder& decoder_;
+  entropy::RangeDecoder& decoder_;
   CoefficientModel model_;
 };
 
@@ -98,49 +98,51 @@ constexpr std::array<Range, 4> kChannels{kByte, kChroma, kChroma, kByte};
 
 // Bytes of a section, none where there is nothing to say.
 template <typename Encode>
-core::Bytes section_of(const CodedNode& node, bool is_present, Encode&& encode) {
+core::Bytes section_of(const coded::CodedNode& node, bool is_present, Encode&& encode) {
   if (!is_present || node.parts.empty()) return {};
-  RangeEncoder encoder;
+  entropy::RangeEncoder encoder;
   encode(encoder);
   return encoder.finish();
 }
 
-void encode_positions(const CodedNode& node, RangeEncoder& encoder) {
+void encode_positions(const coded::CodedNode& node, entropy::RangeEncoder& encoder) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     StreamWriter writer(encoder);
-    for (const CodedPart& part : node.parts)
-      writer.put(stream_of(part.positions, [&](const Coordinates& p) { return std::int64_t{p[axis]}; }),
-                 position_range(node));
+    for (const coded::CodedPart& part : node.parts)
+      writer.put(
+          stream_of(part.positions, [&](const coded::Coordinates& p) { return std::int64_t{p[axis]}; }),
+          position_range(node));
   }
 }
 
-void decode_positions(CodedNode& node, RangeDecoder& decoder) {
+void decode_positions(coded::CodedNode& node, entropy::RangeDecoder& decoder) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     StreamReader reader(decoder);
-    for (CodedPart& part : node.parts) {
+    for (coded::CodedPart& part : node.parts) {
       const Stream stream = reader.get(part.positions.size(), position_range(node));
       for (std::size_t i = 0; i < stream.size(); ++i)
         part.positions[i][axis] = static_cast<std::uint32_t>(stream[i]);
     }
   }
   const auto sum = static_cast<std::uint32_t>(std::uint64_t{1} << node.position_bits);
-  for (CodedPart& part : node.parts)
-    for (Coordinates& p : part.positions) p[3] = node.is_cube ? 0 : sum - p[0] - p[1] - p[2];
+  for (coded::CodedPart& part : node.parts)
+    for (coded::Coordinates& p : part.positions) p[3] = node.is_cube ? 0 : sum - p[0] - p[1] - p[2];
 }
 
-void encode_normals(const CodedNode& node, RangeEncoder& encoder) {
+void encode_normals(const coded::CodedNode& node, entropy::RangeEncoder& encoder) {
   for (std::size_t i = 0; i < 2; ++i) {
     StreamWriter writer(encoder);
-    for (const CodedPart& part : node.parts)
-      writer.put(stream_of(part.normals, [&](const OctahedralNormal& n) { return std::int64_t{n[i]}; }),
-                 kByte);
+    for (const coded::CodedPart& part : node.parts)
+      writer.put(
+          stream_of(part.normals, [&](const coded::OctahedralNormal& n) { return std::int64_t{n[i]}; }),
+          kByte);
   }
 }
 
-void decode_normals(CodedNode& node, RangeDecoder& decoder) {
+void decode_normals(coded::CodedNode& node, entropy::RangeDecoder& decoder) {
   for (std::size_t i = 0; i < 2; ++i) {
     StreamReader reader(decoder);
-    for (CodedPart& part : node.parts) {
+    for (coded::CodedPart& part : node.parts) {
       const Stream stream = reader.get(part.normals.size(), kByte);
       for (std::size_t v = 0; v < stream.size(); ++v)
         part.normals[v][i] = static_cast<std::uint8_t>(stream[v]);
@@ -148,16 +150,16 @@ void decode_normals(CodedNode& node, RangeDecoder& decoder) {
   }
 }
 
-void encode_colors(const CodedNode& node, RangeEncoder& encoder) {
+void encode_colors(const coded::CodedNode& node, entropy::RangeEncoder& encoder) {
   for (std::size_t channel = 0; channel < kChannels.size(); ++channel) {
     StreamWriter writer(encoder);
-    for (const CodedPart& part : node.parts)
+    for (const coded::CodedPart& part : node.parts)
       writer.put(stream_of(part.colors, [&](const Color& c) { return std::int64_t{to_ycocg(c)[channel]}; }),
                  kChannels[channel]);
   }
 }
 
-void decode_colors(CodedNode& node, RangeDecoder& decoder) {
+void decode_colors(coded::CodedNode& node, entropy::RangeDecoder& decoder) {
   std::vector<std::vector<std::array<std::int32_t, 4>>> converted(node.parts.size());
   for (std::size_t channel = 0; channel < kChannels.size(); ++channel) {
     StreamReader reader(decoder);
@@ -175,10 +177,10 @@ void decode_colors(CodedNode& node, RangeDecoder& decoder) {
 constexpr int kWidthBits = 7;  // of a number that is itself a number of bits
 constexpr int kCountBits = CoefficientModel::kMaxBits;
 
-void encode_parents(const CodedNode& node, RangeEncoder& encoder) {
+void encode_parents(const coded::CodedNode& node, entropy::RangeEncoder& encoder) {
   CoefficientModel widths;
   StreamWriter writer(encoder);
-  for (const CodedPart& part : node.parts) {
+  for (const coded::CodedPart& part : node.parts) {
     std::uint32_t all = 0;
     for (const std::uint32_t parent : part.parents) all |= parent;
     const Range range{std::max(1, static_cast<int>(std::bit_width(all))), false};
@@ -187,10 +189,10 @@ void encode_parents(const CodedNode& node, RangeEncoder& encoder) {
   }
 }
 
-std::optional<Defect> decode_parents(CodedNode& node, RangeDecoder& decoder) {
+std::optional<Defect> decode_parents(coded::CodedNode& node, entropy::RangeDecoder& decoder) {
   CoefficientModel widths;
   StreamReader reader(decoder);
-  for (CodedPart& part : node.parts) {
+  for (coded::CodedPart& part : node.parts) {
     const Range range{static_cast<int>(widths.decode(decoder, kWidthBits)), false};
     if (range.bits < 1 || range.bits > 32) return Defect{"the width of parents is out of range", 0};
     const Stream stream = reader.get(part.parents.size(), range);
@@ -200,11 +202,11 @@ std::optional<Defect> decode_parents(CodedNode& node, RangeDecoder& decoder) {
 }
 
 // A strip, and the triangles that it cannot hold as a list behind it.
-void encode_triangles(const CodedNode& node, RangeEncoder& encoder) {
+void encode_triangles(const coded::CodedNode& node, entropy::RangeEncoder& encoder) {
   CoefficientModel strip_counts;
   CoefficientModel listed_counts;
   StreamWriter writer(encoder);
-  for (const CodedPart& part : node.parts) {
+  for (const coded::CodedPart& part : node.parts) {
     Strip strip = strip_of(part.triangles);
     const auto listed = std::span(part.triangles).subspan(strip.triangle_count);
     strip_counts.encode(encoder, static_cast<std::int64_t>(strip.indices.size()), kCountBits);
@@ -214,11 +216,11 @@ void encode_triangles(const CodedNode& node, RangeEncoder& encoder) {
   }
 }
 
-std::optional<Defect> decode_triangles(CodedNode& node, RangeDecoder& decoder) {
+std::optional<Defect> decode_triangles(coded::CodedNode& node, entropy::RangeDecoder& decoder) {
   CoefficientModel strip_counts;
   CoefficientModel listed_counts;
   StreamReader reader(decoder);
-  for (CodedPart& part : node.parts) {
+  for (coded::CodedPart& part : node.parts) {
     const auto strip_size = static_cast<std::uint64_t>(strip_counts.decode(decoder, kCountBits));
     const auto listed = static_cast<std::uint64_t>(listed_counts.decode(decoder, kCountBits));
     if (listed > part.triangles.size() || strip_size > kMaxStripIndices * part.triangles.size())
@@ -241,11 +243,11 @@ std::optional<Defect> decode_triangles(CodedNode& node, RangeDecoder& decoder) {
 
 // None if `decode` read the section to its end, but not beyond.
 template <typename Decode>
-std::optional<Defect> decode_section(const CodedNode& node, bool is_present,
+std::optional<Defect> decode_section(const coded::CodedNode& node, bool is_present,
                                      std::span<const std::byte> section, Decode&& decode) {
   if (!is_present || node.parts.empty())
     return section.empty() ? std::nullopt : std::optional(Defect{"a section should be empty", 0});
-  RangeDecoder decoder(section);
+  entropy::RangeDecoder decoder(section);
   if (std::optional<Defect> defect = decode(decoder)) return defect;
   if (decoder.offset() != section.size())
     return Defect{fmt::format("a section has {} bytes, expected {}", section.size(), decoder.offset()),
@@ -255,24 +257,24 @@ std::optional<Defect> decode_section(const CodedNode& node, bool is_present,
 
 }  // namespace
 
-Sections encode_paper(const CodedNode& node) {
-  Sections sections;
-  const auto put = [&](Component component, bool is_present, auto&& encode) {
+coded::Sections encode_paper(const coded::CodedNode& node) {
+  coded::Sections sections;
+  const auto put = [&](coded::Component component, bool is_present, auto&& encode) {
     sections[static_cast<std::size_t>(component)] =
-        section_of(node, is_present, [&](RangeEncoder& encoder) { encode(node, encoder); });
+        section_of(node, is_present, [&](entropy::RangeEncoder& encoder) { encode(node, encoder); });
   };
-  put(Component::kPositions, true, encode_positions);
-  put(Component::kNormals, node.has_normals, encode_normals);
-  put(Component::kColors, node.has_colors, encode_colors);
-  put(Component::kParents, node.has_parents, encode_parents);
-  put(Component::kConnectivity, true, encode_triangles);
+  put(coded::Component::kPositions, true, encode_positions);
+  put(coded::Component::kNormals, node.has_normals, encode_normals);
+  put(coded::Component::kColors, node.has_colors, encode_colors);
+  put(coded::Component::kParents, node.has_parents, encode_parents);
+  put(coded::Component::kConnectivity, true, encode_triangles);
   return sections;
 }
 
-std::optional<Defect> decode_paper(const SectionViews& sections, CodedNode& node) {
-  const auto get = [&](Component component, bool is_present, auto&& decode) {
+std::optional<Defect> decode_paper(const coded::SectionViews& sections, coded::CodedNode& node) {
+  const auto get = [&](coded::Component component, bool is_present, auto&& decode) {
     return decode_section(node, is_present, sections[static_cast<std::size_t>(component)],
-                          [&](RangeDecoder& decoder) -> std::optional<Defect> {
+                          [&](entropy::RangeDecoder& decoder) -> std::optional<Defect> {
                             if constexpr (std::is_void_v<decltype(decode(node, decoder))>) {
                               decode(node, decoder);
                               return std::nullopt;
@@ -281,12 +283,12 @@ std::optional<Defect> decode_paper(const SectionViews& sections, CodedNode& node
                             }
                           });
   };
-  std::optional<Defect> defect = get(Component::kPositions, true, decode_positions);
-  if (!defect) defect = get(Component::kNormals, node.has_normals, decode_normals);
-  if (!defect) defect = get(Component::kColors, node.has_colors, decode_colors);
-  if (!defect) defect = get(Component::kParents, node.has_parents, decode_parents);
-  if (!defect) defect = get(Component::kConnectivity, true, decode_triangles);
+  std::optional<Defect> defect = get(coded::Component::kPositions, true, decode_positions);
+  if (!defect) defect = get(coded::Component::kNormals, node.has_normals, decode_normals);
+  if (!defect) defect = get(coded::Component::kColors, node.has_colors, decode_colors);
+  if (!defect) defect = get(coded::Component::kParents, node.has_parents, decode_parents);
+  if (!defect) defect = get(coded::Component::kConnectivity, true, decode_triangles);
   return defect;
 }
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::paper

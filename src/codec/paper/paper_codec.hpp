@@ -6,14 +6,14 @@
 
 #include <optional>
 
-#include "codec/coded_node.hpp"
+#include "codec/coded/coded_node.hpp"
 #include "core/error.hpp"
 
-namespace colossus::codec {
+namespace colossus::codec::paper {
 
 // Any order of triangles and vertices will do; that of order_in_strips(), with vertices by first use, makes
 // few bytes. Linear.
-Sections encode_paper(const CodedNode& node);
-std::optional<core::Defect> decode_paper(const SectionViews& sections, CodedNode& node);
+coded::Sections encode_paper(const coded::CodedNode& node);
+std::optional<core::Defect> decode_paper(const coded::SectionViews& sections, coded::CodedNode& node);
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::paper

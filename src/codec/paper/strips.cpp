@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace colossus::codec {
+namespace colossus::codec::paper {
 namespace {
 
 using mesh::Triangle;
@@ -267,4 +267,4 @@ std::size_t triangles_of_strip(std::span<const std::uint32_t> strip, std::span<T
   return count;
 }
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::paper

@@ -12,7 +12,7 @@
 
 #include "mesh/mesh.hpp"
 
-namespace colossus::codec {
+namespace colossus::codec::paper {
 
 // Puts triangles into the order in which strips visit them, and turns their corners so that these strips need
 // no joint within. Triangles that name a vertex twice come last. n log n.
@@ -33,4 +33,4 @@ Strip strip_of(std::span<const mesh::Triangle> triangles);
 // Linear.
 std::size_t triangles_of_strip(std::span<const std::uint32_t> strip, std::span<mesh::Triangle> triangles);
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::paper

@@ -36,7 +36,7 @@ class AdaptiveSource {
   AdaptiveConnectivityDecoder& decoder_;
 };
 
-bool AdaptiveConnectivityDecoder::decode(CodedPart& part, LinkStore& store) {
+bool AdaptiveConnectivityDecoder::decode(coded::CodedPart& part, LinkStore& store) {
   AdaptiveSource source(*this);
   return traverse(source, std::span(part.triangles), part.positions.size(), store);
 }

@@ -1,7 +1,7 @@
 // Connectivity of version 1 of the codec, read only: symbols as bits of one adaptive coder, in the traversal.
 #pragma once
 
-#include "codec/coded_node.hpp"
+#include "codec/coded/coded_node.hpp"
 #include "codec/predict/connectivity.hpp"
 
 namespace colossus::codec::predict {
@@ -10,7 +10,7 @@ namespace colossus::codec::predict {
 class AdaptiveConnectivityDecoder {
  public:
   AdaptiveConnectivityDecoder(std::span<const std::byte> bytes, std::size_t) : bits_(bytes) {}
-  bool decode(CodedPart& part, LinkStore& store);
+  bool decode(coded::CodedPart& part, LinkStore& store);
   BitDecoder& bits() { return bits_; }
   // Bits have no end.
   bool is_done() const { return true; }

@@ -23,7 +23,7 @@ struct Candidate {
 };
 
 // One of each two opposite ones, shortest first.
-std::vector<Candidate> candidates_of(const Frame& frame) {
+std::vector<Candidate> candidates_of(const coded::Frame& frame) {
   std::vector<Candidate> candidates;
   for (std::int32_t number = 14; number < 27; ++number) {
     Candidate c{{number % 3 - 1, number / 3 % 3 - 1, number / 9 - 1}, {}, 0};
@@ -39,7 +39,7 @@ std::vector<Candidate> candidates_of(const Frame& frame) {
 
 }  // namespace
 
-Basis basis_of(const Frame& frame) {
+Basis basis_of(const coded::Frame& frame) {
   const std::vector<Candidate> candidates = candidates_of(frame);
   const Candidate& first = candidates[0];
   const auto second = std::find_if(candidates.begin() + 1, candidates.end(), [&](const Candidate& c) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "codec/coded_node.hpp"
+#include "codec/coded/coded_node.hpp"
 
 namespace colossus::codec::predict {
 
@@ -58,6 +58,6 @@ struct Basis {
 };
 
 // The shortest independent combinations, with factors -1, 0 and 1, of the frame's rows.
-Basis basis_of(const Frame& frame);
+Basis basis_of(const coded::Frame& frame);
 
 }  // namespace colossus::codec::predict

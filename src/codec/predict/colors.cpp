@@ -38,7 +38,7 @@ Lanes predict(const Links& links, const Lanes* colors, std::size_t v, const mesh
 
 }  // namespace
 
-void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& part) {
+void encode_colors(ValueEncoder& values, const Links& links, const coded::CodedPart& part) {
   const std::size_t count = part.colors.size();
   std::vector<Channels> residuals(count);
   Buffer<Lanes> colors(count);
@@ -62,7 +62,8 @@ void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& pa
   put(3, [&](std::size_t) { return kOpacity; });
 }
 
-void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part, const mesh::Color& first) {
+void decode_colors(ValueDecoder& values, const Links& links, coded::CodedPart& part,
+                   const mesh::Color& first) {
   const std::size_t count = part.colors.size();
   Buffer<std::uint32_t> lumas(count);
   Buffer<std::uint32_t> oranges(count);

@@ -16,7 +16,8 @@ inline constexpr std::size_t kColorContexts = 2 + 3 + 3 + 1;
 inline constexpr mesh::Color kOpaqueBlack{0, 0, 0, 255};
 inline constexpr mesh::Color kTransparentBlack{0, 0, 0, 0};
 
-void encode_colors(ValueEncoder& values, const Links& links, const CodedPart& part);
-void decode_colors(ValueDecoder& values, const Links& links, CodedPart& part, const mesh::Color& first);
+void encode_colors(ValueEncoder& values, const Links& links, const coded::CodedPart& part);
+void decode_colors(ValueDecoder& values, const Links& links, coded::CodedPart& part,
+                   const mesh::Color& first);
 
 }  // namespace colossus::codec::predict

@@ -151,7 +151,7 @@ constexpr std::uint32_t kEnd = kSymbols;
 // A mesh that writes down what it answers.
 class EncodingSource : public MeshSource {
  public:
-  EncodingSource(ConnectivityEncoder& encoder, const CodedPart& part)
+  EncodingSource(ConnectivityEncoder& encoder, const coded::CodedPart& part)
       : MeshSource(part.triangles, part.positions.size()), encoder_(encoder) {}
   std::array<std::uint32_t, 3> seed(std::uint32_t known) {
     const auto seed = MeshSource::seed(known);
@@ -224,7 +224,7 @@ void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vert
   triangles = std::move(ordered);
 }
 
-void ConnectivityEncoder::encode(const CodedPart& part, LinkStore& store) {
+void ConnectivityEncoder::encode(const coded::CodedPart& part, LinkStore& store) {
   EncodingSource source(*this, part);
   std::vector<mesh::Triangle> triangles(part.triangles.size());
   COLOSSUS_CHECK(
@@ -282,7 +282,7 @@ ConnectivityDecoder::ConnectivityDecoder(std::span<const std::byte> bytes, std::
   is_valid_ = is_valid_ && !reader.failed() && values.is_done();
 }
 
-bool ConnectivityDecoder::decode(CodedPart& part, LinkStore& store) {
+bool ConnectivityDecoder::decode(coded::CodedPart& part, LinkStore& store) {
   if (!is_valid_) return false;
   DecodingSource source(*this);
   return traverse(source, std::span(part.triangles), part.positions.size(), store);

@@ -5,7 +5,7 @@
 // all else that a triangle needs.
 #pragma once
 
-#include "codec/coded_node.hpp"
+#include "codec/coded/coded_node.hpp"
 #include "codec/predict/bit_coder.hpp"
 #include "codec/predict/traversal.hpp"
 #include "codec/predict/values.hpp"
@@ -28,7 +28,7 @@ void order_by_traversal(std::vector<mesh::Triangle>& triangles, std::size_t vert
 class ConnectivityEncoder {
  public:
   // Triangles must be as order_by_traversal() leaves them. Fills the store.
-  void encode(const CodedPart& part, LinkStore& store);
+  void encode(const coded::CodedPart& part, LinkStore& store);
   // For what else is to be told between two parts.
   BitEncoder& bits() { return bits_; }
   core::Bytes finish();
@@ -50,7 +50,7 @@ class ConnectivityDecoder {
   // No more symbols are read than this many triangles can have.
   ConnectivityDecoder(std::span<const std::byte> bytes, std::size_t triangle_count);
   // Fills the triangles and the store; false when the symbols make no sense.
-  bool decode(CodedPart& part, LinkStore& store);
+  bool decode(coded::CodedPart& part, LinkStore& store);
   BitDecoder& bits() { return bits_; }
   // Whether all symbols were read, no more and no less.
   bool is_done() const;

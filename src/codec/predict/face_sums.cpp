@@ -41,7 +41,7 @@ struct alignas(16) WorldPoint {
 constexpr int kEdgeBits = 16;
 constexpr std::uint32_t kEdgeMask = (2U << kEdgeBits) - 1;
 
-Buffer<WorldPoint> world_points(int position_bits, const CodedPart& part) {
+Buffer<WorldPoint> world_points(int position_bits, const coded::CodedPart& part) {
   const int shift = std::max(0, position_bits - kEdgeBits);
   std::array<Float4, 3> frame{};
   for (std::size_t row = 0; row < 3; ++row)
@@ -66,7 +66,7 @@ constexpr std::int32_t kMostTriangles = 511;  // at a vertex: components of sums
 
 // Products of edges, and their differences, are exact in 24 bits, and sums in 32, where edges are short and
 // triangles at a vertex few; both is found out on the way. Numbers without sign, since they may wrap before.
-std::optional<Buffer<FaceSum>> narrow_sums(const Buffer<WorldPoint>& points, const CodedPart& part) {
+std::optional<Buffer<FaceSum>> narrow_sums(const Buffer<WorldPoint>& points, const coded::CodedPart& part) {
   Buffer<FaceSum> sums(points.size());
   std::fill_n(sums.all().begin(), sums.size(), FaceSum{});
   // The bits of 1.5 * 2^23 plus a whole number, of less than 2^22 either way, are those of 1.5 * 2^23 plus
@@ -107,7 +107,7 @@ Int4 bits_of(const Buffer<FaceSum>& sums) {
 }
 
 // Adds to `own_weight` times each sum those of the neighbours, once per triangle.
-Buffer<FaceSum> smoothed(const Buffer<FaceSum>& sums, const CodedPart& part, std::int32_t own_weight) {
+Buffer<FaceSum> smoothed(const Buffer<FaceSum>& sums, const coded::CodedPart& part, std::int32_t own_weight) {
   Buffer<FaceSum> result(sums.size());
   for (std::size_t v = 0; v < sums.size(); ++v)
     store(result[v], load<Word4>(sums[v]) * static_cast<std::uint32_t>(own_weight));
@@ -126,7 +126,7 @@ Buffer<FaceSum> smoothed(const Buffer<FaceSum>& sums, const CodedPart& part, std
 }
 
 // As above, in any case.
-std::vector<LongVector> wide_sums(const Buffer<WorldPoint>& points, const CodedPart& part) {
+std::vector<LongVector> wide_sums(const Buffer<WorldPoint>& points, const coded::CodedPart& part) {
   std::vector<LongVector> sums(points.size());
   for (const mesh::Triangle& t : part.triangles) {
     LongVector a{};
@@ -143,7 +143,7 @@ std::vector<LongVector> wide_sums(const Buffer<WorldPoint>& points, const CodedP
   return sums;
 }
 
-std::vector<LongVector> smoothed(const std::vector<LongVector>& sums, const CodedPart& part,
+std::vector<LongVector> smoothed(const std::vector<LongVector>& sums, const coded::CodedPart& part,
                                  std::int64_t own_weight) {
   std::vector<LongVector> result(sums.size());
   for (std::size_t v = 0; v < sums.size(); ++v)
@@ -159,7 +159,7 @@ std::vector<LongVector> smoothed(const std::vector<LongVector>& sums, const Code
 
 }  // namespace
 
-std::optional<Buffer<FaceSum>> narrow_face_sums(int position_bits, const CodedPart& part,
+std::optional<Buffer<FaceSum>> narrow_face_sums(int position_bits, const coded::CodedPart& part,
                                                 std::int32_t own_weight) {
   auto sums = narrow_sums(world_points(position_bits, part), part);
   if (!sums) return std::nullopt;
@@ -172,7 +172,7 @@ std::optional<Buffer<FaceSum>> narrow_face_sums(int position_bits, const CodedPa
   return smoothed(*sums, part, own_weight);
 }
 
-Buffer<FaceSum> wide_face_sums(int position_bits, const CodedPart& part, std::int32_t own_weight) {
+Buffer<FaceSum> wide_face_sums(int position_bits, const coded::CodedPart& part, std::int32_t own_weight) {
   std::vector<LongVector> sums = wide_sums(world_points(position_bits, part), part);
   if (own_weight > 0) sums = smoothed(sums, part, own_weight);
   Buffer<FaceSum> result(sums.size());
@@ -185,7 +185,7 @@ Buffer<FaceSum> wide_face_sums(int position_bits, const CodedPart& part, std::in
   return result;
 }
 
-Buffer<FaceSum> face_sums(int position_bits, const CodedPart& part, std::int32_t own_weight) {
+Buffer<FaceSum> face_sums(int position_bits, const coded::CodedPart& part, std::int32_t own_weight) {
   if (auto sums = narrow_face_sums(position_bits, part, own_weight)) return std::move(*sums);
   return wide_face_sums(position_bits, part, own_weight);
 }

@@ -50,7 +50,8 @@ Miss with_expected_miss(Miss miss, const Links& links, std::size_t vertex, const
   return ((miss + (256 - kOffsets) * kEachLane - not_negative) + rounded_up) & 255 * kEachLane;
 }
 
-constexpr OctahedralNormal normal_of(std::uint32_t u_projection, std::uint32_t v_projection, Miss miss) {
+constexpr coded::OctahedralNormal normal_of(std::uint32_t u_projection, std::uint32_t v_projection,
+                                            Miss miss) {
   const auto u = static_cast<std::int32_t>((nearest_cell(u_projection) + miss - kOffset) & 255);
   const auto v = static_cast<std::int32_t>((nearest_cell(v_projection) + (miss >> 16) - kOffset) & 255);
   std::int32_t u_folded = u;
@@ -63,8 +64,8 @@ constexpr OctahedralNormal normal_of(std::uint32_t u_projection, std::uint32_t v
 
 // Calls back with what is left of each normal, in order.
 template <typename Take>
-void for_each_residual(NormalMode mode, const Links& links, const CodedNode& node, const CodedPart& part,
-                       Take take) {
+void for_each_residual(NormalMode mode, const Links& links, const coded::CodedNode& node,
+                       const coded::CodedPart& part, Take take) {
   const Projections projections = project(face_sums(node.position_bits, part, own_weight(mode)));
   Buffer<Miss> misses(part.normals.size());
   for (std::uint32_t i = 0; i < part.normals.size(); ++i) {
@@ -89,7 +90,7 @@ void for_each_residual(NormalMode mode, const Links& links, const CodedNode& nod
 
 }  // namespace
 
-NormalMode choose_normal_mode(const CodedNode& node, const std::vector<Links>& links) {
+NormalMode choose_normal_mode(const coded::CodedNode& node, const std::vector<Links>& links) {
   auto best = NormalMode::kSum;
   std::uint64_t least = ~std::uint64_t{0};
   for (std::uint8_t m = 0; m < kNormalModes; ++m) {
@@ -106,8 +107,8 @@ NormalMode choose_normal_mode(const CodedNode& node, const std::vector<Links>& l
   return best;
 }
 
-void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links, const CodedNode& node,
-                    const CodedPart& part) {
+void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links, const coded::CodedNode& node,
+                    const coded::CodedPart& part) {
   std::vector<std::array<std::uint32_t, 2>> residuals(part.normals.size());
   for_each_residual(mode, links, node, part,
                     [&](std::uint32_t v, const std::array<std::uint32_t, 2>& r) { residuals[v] = r; });
@@ -119,8 +120,8 @@ void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links, c
   values.end_batch();
 }
 
-void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links, const CodedNode& node,
-                    CodedPart& part) {
+void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links, const coded::CodedNode& node,
+                    coded::CodedPart& part) {
   const std::size_t count = part.normals.size();
   Buffer<std::uint32_t> first(count);
   Buffer<std::uint32_t> second(count);
@@ -141,7 +142,7 @@ void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links, c
   }
   if (mode != NormalMode::kSum)
     for (std::size_t i = 0; i < count; ++i) misses[i] = with_expected_miss(misses[i], links, i, misses);
-  OctahedralNormal* const normals = part.normals.data();
+  coded::OctahedralNormal* const normals = part.normals.data();
   for (std::size_t i = 0; i < count; ++i) normals[i] = normal_of(us[i], vs[i], misses[i]);
 }
 

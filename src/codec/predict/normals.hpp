@@ -17,11 +17,11 @@ inline constexpr std::uint32_t kNormalSizes = 6;
 inline constexpr std::size_t kNormalContexts = 2 + 2 * kNormalSizes;
 
 // The mode that gives the least misses over all parts.
-NormalMode choose_normal_mode(const CodedNode& node, const std::vector<Links>& links);
+NormalMode choose_normal_mode(const coded::CodedNode& node, const std::vector<Links>& links);
 
-void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links, const CodedNode& node,
-                    const CodedPart& part);
-void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links, const CodedNode& node,
-                    CodedPart& part);
+void encode_normals(ValueEncoder& values, NormalMode mode, const Links& links, const coded::CodedNode& node,
+                    const coded::CodedPart& part);
+void decode_normals(ValueDecoder& values, NormalMode mode, const Links& links, const coded::CodedNode& node,
+                    coded::CodedPart& part);
 
 }  // namespace colossus::codec::predict

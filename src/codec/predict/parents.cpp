@@ -17,7 +17,7 @@ std::uint32_t base_of(const Links& links, const std::vector<std::uint32_t>& pare
 
 }  // namespace
 
-void encode_parents(ValueEncoder& values, const Links& links, const CodedPart& part) {
+void encode_parents(ValueEncoder& values, const Links& links, const coded::CodedPart& part) {
   const std::size_t count = part.parents.size();
   std::vector<std::uint32_t> differences;
   for (std::size_t v = 0; v < count; ++v) {
@@ -34,7 +34,7 @@ void encode_parents(ValueEncoder& values, const Links& links, const CodedPart& p
   values.end_batch();
 }
 
-void decode_parents(ValueDecoder& values, const Links& links, CodedPart& part) {
+void decode_parents(ValueDecoder& values, const Links& links, coded::CodedPart& part) {
   const std::size_t count = part.parents.size();
   std::vector<std::uint32_t> choices(count);
   values.get_batch(choices, [&](std::size_t v) { return choice_context(links.kinds[v]); });

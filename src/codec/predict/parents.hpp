@@ -9,7 +9,7 @@ namespace colossus::codec::predict {
 
 inline constexpr std::size_t kParentContexts = 3;
 
-void encode_parents(ValueEncoder& values, const Links& links, const CodedPart& part);
-void decode_parents(ValueDecoder& values, const Links& links, CodedPart& part);
+void encode_parents(ValueEncoder& values, const Links& links, const coded::CodedPart& part);
+void decode_parents(ValueDecoder& values, const Links& links, coded::CodedPart& part);
 
 }  // namespace colossus::codec::predict

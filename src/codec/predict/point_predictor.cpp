@@ -13,7 +13,7 @@ std::int64_t dot(const LongVector& a, const LongVector& b) {
 
 }  // namespace
 
-PointPredictor::PointPredictor(const Basis& basis, const Links& links, const CodedNode& node,
+PointPredictor::PointPredictor(const Basis& basis, const Links& links, const coded::CodedNode& node,
                                std::size_t vertex_count)
     : basis_(basis),
       links_(links.of),
@@ -60,14 +60,14 @@ void PointPredictor::prepare_faces() {
   }
 }
 
-Lanes PointPredictor::point_of(const Coordinates& weights) const {
+Lanes PointPredictor::point_of(const coded::Coordinates& weights) const {
   const Vector w{static_cast<std::int32_t>(weights[0]), static_cast<std::int32_t>(weights[1]),
                  static_cast<std::int32_t>(weights[2])};
   return lanes_of({wrapped_dot(basis_.from_weights[0], w), wrapped_dot(basis_.from_weights[1], w),
                    wrapped_dot(basis_.from_weights[2], w)});
 }
 
-bool PointPredictor::set_weights(std::span<Coordinates> weights) const {
+bool PointPredictor::set_weights(std::span<coded::Coordinates> weights) const {
   // Entries are -1, 0 and 1, so that masks do for products.
   std::array<Lanes, 3> masks{};
   std::array<Lanes, 3> signs{};

@@ -130,7 +130,7 @@ struct FacePrediction {
     return static_cast<std::uint32_t>(
         rounded_quotient(slope_numerator * static_cast<std::int32_t>(along), slope_denominator));
   }
-  FaceResidual residual_of(const Coordinates& weights) const {
+  FaceResidual residual_of(const coded::Coordinates& weights) const {
     const std::uint32_t along = weights[line->first] - first;
     return {along, weights[line->second] - second - height(along)};
   }
@@ -151,7 +151,8 @@ inline constexpr std::uint32_t kHeightLimit = 8 * kNarrow + 2;
 
 class PointPredictor {
  public:
-  PointPredictor(const Basis& basis, const Links& links, const CodedNode& node, std::size_t vertex_count);
+  PointPredictor(const Basis& basis, const Links& links, const coded::CodedNode& node,
+                 std::size_t vertex_count);
 
   bool may_be_on_face(std::uint32_t v) const { return !is_cube_ && is_border(kinds_[v]); }
   // On which faces the neighbours that come before are; bits.
@@ -170,9 +171,9 @@ class PointPredictor {
   }
 
   void set_point(std::uint32_t v, const Lanes& point) { points_[v] = point; }
-  Lanes point_of(const Coordinates& weights) const;
+  Lanes point_of(const coded::Coordinates& weights) const;
   // Of all points; whether these are narrow.
-  bool set_weights(std::span<Coordinates> weights) const;
+  bool set_weights(std::span<coded::Coordinates> weights) const;
 
   Parallelograms parallelograms(std::uint32_t v) const {
     const VertexLinks& links = links_[v];

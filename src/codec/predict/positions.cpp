@@ -23,7 +23,7 @@ std::uint32_t face_across_context(std::uint32_t along) {
 }
 
 // The only weight that is 0, or kNoFace.
-std::uint32_t face_of(const Coordinates& weights) {
+std::uint32_t face_of(const coded::Coordinates& weights) {
   std::uint32_t face = kNoFace;
   for (std::uint32_t i = 0; i < 4; ++i) {
     if (weights[i] != 0) continue;
@@ -107,7 +107,7 @@ void decode_points(PointPredictor& predictor, const Residuals& residuals, std::u
 }  // namespace
 
 void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& values, const Basis& basis,
-                      const Links& links, const CodedNode& node, const CodedPart& part) {
+                      const Links& links, const coded::CodedNode& node, const coded::CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   PointPredictor predictor(basis, links, node, count);
   struct Along {
@@ -119,7 +119,7 @@ void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& val
   std::vector<Along> face_along;
   std::vector<std::uint32_t> face_across;
   for (std::uint32_t v = 0; v < count; ++v) {
-    const Coordinates& weights = part.positions[v];
+    const coded::Coordinates& weights = part.positions[v];
     const std::uint32_t relations = relations_of(links.kinds[v]);
     std::uint32_t face = kNoFace;
     if (predictor.may_be_on_face(v)) {
@@ -155,7 +155,7 @@ void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& val
 }
 
 void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& values, const Basis& basis,
-                      const Links& links, const CodedNode& node, CodedPart& part) {
+                      const Links& links, const coded::CodedNode& node, coded::CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   PointPredictor predictor(basis, links, node, count);
   decode_faces(face_bits, faces, predictor, count);

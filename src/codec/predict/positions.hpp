@@ -33,9 +33,9 @@ class FaceModel {
 inline constexpr std::size_t kPositionContexts = 4 + 4 + 2 + 3;
 
 void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& values, const Basis& basis,
-                      const Links& links, const CodedNode& node, const CodedPart& part);
+                      const Links& links, const coded::CodedNode& node, const coded::CodedPart& part);
 
 void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& values, const Basis& basis,
-                      const Links& links, const CodedNode& node, CodedPart& part);
+                      const Links& links, const coded::CodedNode& node, coded::CodedPart& part);
 
 }  // namespace colossus::codec::predict

@@ -7,29 +7,29 @@
 #include "codec/predict/parents.hpp"
 #include "codec/predict/positions.hpp"
 
-namespace colossus::codec {
+namespace colossus::codec::predict {
 namespace {
 
 using core::Defect;
 using namespace predict;
 
-constexpr std::size_t index_of(Component component) { return static_cast<std::size_t>(component); }
+constexpr std::size_t index_of(coded::Component component) { return static_cast<std::size_t>(component); }
 
 // Versions differ in their connectivity, in how tables are written, and in the first vertex's colour.
 template <typename Connectivity>
-std::optional<Defect> decode_sections(const SectionViews& sections, CodedNode& node, TableLayout layout,
-                                      const mesh::Color& first_color) {
-  const auto section = [&](Component component) { return sections[index_of(component)]; };
+std::optional<Defect> decode_sections(const coded::SectionViews& sections, coded::CodedNode& node,
+                                      TableLayout layout, const mesh::Color& first_color) {
+  const auto section = [&](coded::Component component) { return sections[index_of(component)]; };
   std::size_t triangle_count = 0;
   std::size_t most_vertices = 0;
-  for (const CodedPart& part : node.parts) {
+  for (const coded::CodedPart& part : node.parts) {
     triangle_count += part.triangles.size();
     most_vertices = std::max(most_vertices, part.positions.size());
   }
-  Connectivity connectivity(section(Component::kConnectivity), triangle_count);
+  Connectivity connectivity(section(coded::Component::kConnectivity), triangle_count);
   FaceModel faces;
-  ValueDecoder positions(section(Component::kPositions), kPositionContexts, layout);
-  auto normal_bytes = section(Component::kNormals);
+  ValueDecoder positions(section(coded::Component::kPositions), kPositionContexts, layout);
+  auto normal_bytes = section(coded::Component::kNormals);
   auto mode = NormalMode::kSum;
   if (node.has_normals) {
     if (normal_bytes.empty() || std::to_integer<std::uint8_t>(normal_bytes.back()) >= kNormalModes)
@@ -38,10 +38,10 @@ std::optional<Defect> decode_sections(const SectionViews& sections, CodedNode& n
     normal_bytes = normal_bytes.first(normal_bytes.size() - 1);
   }
   ValueDecoder normals(normal_bytes, node.has_normals ? kNormalContexts : 0, layout);
-  ValueDecoder colors(section(Component::kColors), node.has_colors ? kColorContexts : 0, layout);
-  ValueDecoder parents(section(Component::kParents), node.has_parents ? kParentContexts : 0, layout);
+  ValueDecoder colors(section(coded::Component::kColors), node.has_colors ? kColorContexts : 0, layout);
+  ValueDecoder parents(section(coded::Component::kParents), node.has_parents ? kParentContexts : 0, layout);
   LinkStore store(most_vertices);
-  for (CodedPart& part : node.parts) {
+  for (coded::CodedPart& part : node.parts) {
     if (!connectivity.decode(part, store)) return Defect{"the connectivity makes no sense", 0};
     const Links links = store.first(part.positions.size());
     decode_positions(connectivity.bits(), faces, positions, basis_of(part.frame), links, node, part);
@@ -59,7 +59,7 @@ std::optional<Defect> decode_sections(const SectionViews& sections, CodedNode& n
 
 }  // namespace
 
-Sections encode_predicted(const CodedNode& node) {
+coded::Sections encode_predicted(const coded::CodedNode& node) {
   ConnectivityEncoder connectivity;
   FaceModel faces;
   ValueEncoder positions(kPositionContexts);
@@ -68,7 +68,7 @@ Sections encode_predicted(const CodedNode& node) {
   ValueEncoder parents(kParentContexts);
   std::vector<LinkStore> stores;
   std::vector<Links> links;
-  for (const CodedPart& part : node.parts) {
+  for (const coded::CodedPart& part : node.parts) {
     const std::size_t count = part.positions.size();
     connectivity.encode(part, stores.emplace_back(count));
     links.push_back(stores.back().first(count));
@@ -76,27 +76,27 @@ Sections encode_predicted(const CodedNode& node) {
     if (node.has_colors) encode_colors(colors, links.back(), part);
     if (node.has_parents) encode_parents(parents, links.back(), part);
   }
-  Sections sections;
+  coded::Sections sections;
   if (node.has_normals) {
     const NormalMode mode = choose_normal_mode(node, links);
     for (std::size_t i = 0; i < node.parts.size(); ++i)
       encode_normals(normals, mode, links[i], node, node.parts[i]);
-    sections[index_of(Component::kNormals)] = normals.finish();
-    sections[index_of(Component::kNormals)].push_back(static_cast<std::byte>(mode));
+    sections[index_of(coded::Component::kNormals)] = normals.finish();
+    sections[index_of(coded::Component::kNormals)].push_back(static_cast<std::byte>(mode));
   }
-  sections[index_of(Component::kConnectivity)] = connectivity.finish();
-  sections[index_of(Component::kPositions)] = positions.finish();
-  sections[index_of(Component::kColors)] = colors.finish();
-  sections[index_of(Component::kParents)] = parents.finish();
+  sections[index_of(coded::Component::kConnectivity)] = connectivity.finish();
+  sections[index_of(coded::Component::kPositions)] = positions.finish();
+  sections[index_of(coded::Component::kColors)] = colors.finish();
+  sections[index_of(coded::Component::kParents)] = parents.finish();
   return sections;
 }
 
-std::optional<Defect> decode_predicted(const SectionViews& sections, CodedNode& node) {
+std::optional<Defect> decode_predicted(const coded::SectionViews& sections, coded::CodedNode& node) {
   return decode_sections<ConnectivityDecoder>(sections, node, TableLayout::kRuns, kOpaqueBlack);
 }
 
-std::optional<Defect> decode_predicted_1(const SectionViews& sections, CodedNode& node) {
+std::optional<Defect> decode_predicted_1(const coded::SectionViews& sections, coded::CodedNode& node) {
   return decode_sections<AdaptiveConnectivityDecoder>(sections, node, TableLayout::kEach, kTransparentBlack);
 }
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::predict

@@ -4,15 +4,15 @@
 
 #include <optional>
 
-#include "codec/coded_node.hpp"
+#include "codec/coded/coded_node.hpp"
 #include "core/error.hpp"
 
-namespace colossus::codec {
+namespace colossus::codec::predict {
 
 // Triangles must be as order_by_traversal() of predict/connectivity.hpp leaves them.
-Sections encode_predicted(const CodedNode& node);
-std::optional<core::Defect> decode_predicted(const SectionViews& sections, CodedNode& node);
+coded::Sections encode_predicted(const coded::CodedNode& node);
+std::optional<core::Defect> decode_predicted(const coded::SectionViews& sections, coded::CodedNode& node);
 // Of version 1.
-std::optional<core::Defect> decode_predicted_1(const SectionViews& sections, CodedNode& node);
+std::optional<core::Defect> decode_predicted_1(const coded::SectionViews& sections, coded::CodedNode& node);
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::predict

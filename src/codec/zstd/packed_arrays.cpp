@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace colossus::codec {
+namespace colossus::codec::zstd {
 namespace {
 
 using core::ByteReader;
@@ -51,11 +51,12 @@ bool get_planes(ByteReader& reader, std::vector<std::array<std::uint8_t, kChanne
 }
 
 // Weights can be 2^bits themselves, coordinates of cubes cannot.
-std::size_t position_bytes(const CodedNode& node) {
+std::size_t position_bytes(const coded::CodedNode& node) {
   return narrowest_bytes((std::uint64_t{1} << node.position_bits) - (node.is_cube ? 1 : 0));
 }
 
-bool get_positions(ByteReader& reader, const CodedNode& node, std::vector<Coordinates>& positions) {
+bool get_positions(ByteReader& reader, const coded::CodedNode& node,
+                   std::vector<coded::Coordinates>& positions) {
   const std::size_t size = position_bytes(node);
   std::array<std::span<const std::byte>, 3> planes;
   for (auto& plane : planes) plane = reader.get_bytes(positions.size() * size);
@@ -63,7 +64,7 @@ bool get_positions(ByteReader& reader, const CodedNode& node, std::vector<Coordi
   const std::uint32_t one = 1U << (node.position_bits & 31);  // of cubes without meaning
   with_type(size, [&]<typename T>(T) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
-      Coordinates& p = positions[i];
+      coded::Coordinates& p = positions[i];
       for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = get_at<T>(planes[axis], i);
       p[3] = node.is_cube ? 0 : one - p[0] - p[1] - p[2];
     }
@@ -72,7 +73,7 @@ bool get_positions(ByteReader& reader, const CodedNode& node, std::vector<Coordi
 }
 
 // A code can be as large as the number of vertices: vertex 0, seen after the last new one.
-void put_triangles(ByteWriter& writer, const CodedPart& part) {
+void put_triangles(ByteWriter& writer, const coded::CodedPart& part) {
   // Counted back from the highest index so far: small numbers, 0 for a new vertex.
   std::uint32_t high_water = 0;
   const std::size_t size = narrowest_bytes(part.positions.size());
@@ -86,7 +87,7 @@ void put_triangles(ByteWriter& writer, const CodedPart& part) {
                  part.positions.size());
 }
 
-std::optional<Defect> get_triangles(ByteReader& reader, CodedPart& part) {
+std::optional<Defect> get_triangles(ByteReader& reader, coded::CodedPart& part) {
   const std::uint64_t start = reader.offset();
   const std::size_t size = narrowest_bytes(part.positions.size());
   const auto codes = reader.get_bytes(3 * part.triangles.size() * size);
@@ -109,14 +110,14 @@ std::optional<Defect> get_triangles(ByteReader& reader, CodedPart& part) {
 }
 
 // Their width first, in one byte.
-void put_parents(ByteWriter& writer, const CodedPart& part) {
+void put_parents(ByteWriter& writer, const coded::CodedPart& part) {
   const auto greatest = std::max_element(part.parents.begin(), part.parents.end());
   const std::size_t size = narrowest_bytes(greatest == part.parents.end() ? 0 : *greatest);
   writer.put(static_cast<std::uint8_t>(size));
   for (const std::uint32_t parent : part.parents) put_sized(writer, parent, size);
 }
 
-bool get_parents(ByteReader& reader, CodedPart& part) {
+bool get_parents(ByteReader& reader, coded::CodedPart& part) {
   const std::size_t size = reader.get<std::uint8_t>();
   if (size != 1 && size != 2 && size != 4) return false;
   const auto plane = reader.get_bytes(part.parents.size() * size);
@@ -136,47 +137,49 @@ void order_for_cache(std::vector<mesh::Triangle>& triangles, std::size_t vertex_
   std::copy(ordered.begin(), ordered.end(), triangles.front().data());
 }
 
-Sections encode_packed(const CodedNode& node) {
-  PerComponent<ByteWriter> writers;
-  const auto writer = [&](Component component) -> ByteWriter& {
+coded::Sections encode_packed(const coded::CodedNode& node) {
+  coded::PerComponent<ByteWriter> writers;
+  const auto writer = [&](coded::Component component) -> ByteWriter& {
     return writers[static_cast<std::size_t>(component)];
   };
-  for (const CodedPart& part : node.parts) {
+  for (const coded::CodedPart& part : node.parts) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-      for (const Coordinates& p : part.positions)
-        put_sized(writer(Component::kPositions), p[axis], position_bytes(node));
-    put_planes(writer(Component::kNormals), part.normals);
-    put_planes(writer(Component::kColors), part.colors);
-    if (node.has_parents) put_parents(writer(Component::kParents), part);
-    put_triangles(writer(Component::kConnectivity), part);
+      for (const coded::Coordinates& p : part.positions)
+        put_sized(writer(coded::Component::kPositions), p[axis], position_bytes(node));
+    put_planes(writer(coded::Component::kNormals), part.normals);
+    put_planes(writer(coded::Component::kColors), part.colors);
+    if (node.has_parents) put_parents(writer(coded::Component::kParents), part);
+    put_triangles(writer(coded::Component::kConnectivity), part);
   }
-  Sections sections;
-  for (std::size_t i = 0; i < kComponentCount; ++i) sections[i] = writers[i].take();
+  coded::Sections sections;
+  for (std::size_t i = 0; i < coded::kComponentCount; ++i) sections[i] = writers[i].take();
   return sections;
 }
 
-std::optional<Defect> decode_packed(const SectionViews& sections, CodedNode& node) {
-  PerComponent<ByteReader> readers{ByteReader(sections[0]), ByteReader(sections[1]), ByteReader(sections[2]),
-                                   ByteReader(sections[3]), ByteReader(sections[4])};
-  const auto reader = [&](Component component) -> ByteReader& {
+std::optional<Defect> decode_packed(const coded::SectionViews& sections, coded::CodedNode& node) {
+  coded::PerComponent<ByteReader> readers{ByteReader(sections[0]), ByteReader(sections[1]),
+                                          ByteReader(sections[2]), ByteReader(sections[3]),
+                                          ByteReader(sections[4])};
+  const auto reader = [&](coded::Component component) -> ByteReader& {
     return readers[static_cast<std::size_t>(component)];
   };
-  const auto cut_short = [&](Component component, const char* what) {
+  const auto cut_short = [&](coded::Component component, const char* what) {
     return Defect{fmt::format("the {} are cut short", what), reader(component).offset()};
   };
-  for (CodedPart& part : node.parts) {
-    if (!get_positions(reader(Component::kPositions), node, part.positions))
-      return cut_short(Component::kPositions, "positions");
-    if (!get_planes(reader(Component::kNormals), part.normals))
-      return cut_short(Component::kNormals, "normals");
-    if (!get_planes(reader(Component::kColors), part.colors)) return cut_short(Component::kColors, "colours");
-    if (node.has_parents && !get_parents(reader(Component::kParents), part))
-      return cut_short(Component::kParents, "parents");
-    if (auto defect = get_triangles(reader(Component::kConnectivity), part)) return defect;
+  for (coded::CodedPart& part : node.parts) {
+    if (!get_positions(reader(coded::Component::kPositions), node, part.positions))
+      return cut_short(coded::Component::kPositions, "positions");
+    if (!get_planes(reader(coded::Component::kNormals), part.normals))
+      return cut_short(coded::Component::kNormals, "normals");
+    if (!get_planes(reader(coded::Component::kColors), part.colors))
+      return cut_short(coded::Component::kColors, "colours");
+    if (node.has_parents && !get_parents(reader(coded::Component::kParents), part))
+      return cut_short(coded::Component::kParents, "parents");
+    if (auto defect = get_triangles(reader(coded::Component::kConnectivity), part)) return defect;
   }
   for (const ByteReader& r : readers)
     if (r.remaining() != 0) return Defect{"bytes left over in a section", r.offset()};
   return std::nullopt;
 }
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::zstd

@@ -4,17 +4,17 @@
 
 #include <optional>
 
-#include "codec/coded_node.hpp"
+#include "codec/coded/coded_node.hpp"
 #include "core/error.hpp"
 
-namespace colossus::codec {
+namespace colossus::codec::zstd {
 
 // Triangles in an order that graphics hardware likes, and that compresses well. Linear.
 void order_for_cache(std::vector<mesh::Triangle>& triangles, std::size_t vertex_count);
 
 // Vertices must be in order of first use by the triangles, those that no triangle uses last; any order of
 // triangles will do.
-Sections encode_packed(const CodedNode& node);
-std::optional<core::Defect> decode_packed(const SectionViews& sections, CodedNode& node);
+coded::Sections encode_packed(const coded::CodedNode& node);
+std::optional<core::Defect> decode_packed(const coded::SectionViews& sections, coded::CodedNode& node);
 
-}  // namespace colossus::codec
+}  // namespace colossus::codec::zstd

@@ -3,11 +3,11 @@
 
 #include <random>
 
+#include "codec/coded/renumber.hpp"
 #include "codec/predict/adaptive_connectivity.hpp"
 #include "codec/predict/basis.hpp"
 #include "codec/predict/connectivity.hpp"
 #include "codec/predict/values.hpp"
-#include "codec/renumber.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec::predict {
@@ -164,14 +164,14 @@ TEST(Values, TablesAreAtMostSoMany) {
 }
 
 struct Coded {
-  CodedPart part;
+  coded::CodedPart part;
   core::Bytes bytes;
 };
 
 Coded coded(std::vector<Triangle> triangles, std::uint32_t vertex_count) {
   Coded result;
   order_by_traversal(triangles, vertex_count);
-  renumber_by_first_use(triangles, vertex_count);
+  coded::renumber_by_first_use(triangles, vertex_count);
   result.part.triangles = std::move(triangles);
   result.part.positions.resize(vertex_count);
   ConnectivityEncoder encoder;
@@ -195,7 +195,7 @@ void expect_round_trip(const std::vector<Triangle>& triangles, std::uint32_t ver
   std::vector<Triangle> ordered = triangles;
   order_by_traversal(ordered, vertex_count);
   EXPECT_EQ(sorted(ordered), sorted(triangles));
-  CodedPart to;
+  coded::CodedPart to;
   to.positions.resize(vertex_count);
   to.triangles.resize(triangles.size());
   ConnectivityDecoder decoder(from.bytes, triangles.size());
@@ -264,7 +264,7 @@ std::size_t count_accepted_nonsense(std::uint64_t seeds, const core::Bytes& star
     core::Bytes bytes = seed % 2 == 0 ? start : core::Bytes(pick(random, 0, 60));
     for (std::byte& byte : bytes)
       if (seed % 2 != 0 || pick(random, 0, 20) == 0) byte = static_cast<std::byte>(random());
-    CodedPart part;
+    coded::CodedPart part;
     const std::uint32_t vertex_count = pick(random, 0, 40);
     part.positions.resize(vertex_count);
     part.triangles.resize(pick(random, 0, 80));
@@ -299,7 +299,7 @@ TEST(Basis, IsUnimodularForAnyFrame) {
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    Frame frame{};
+    coded::Frame frame{};
     for (auto& row : frame)
       for (auto& entry : row) entry = static_cast<std::int8_t>(static_cast<int>(pick(random, 0, 4)) - 2);
     const Basis basis = basis_of(frame);

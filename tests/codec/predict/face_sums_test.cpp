@@ -19,28 +19,29 @@ std::uint32_t pick(Random& random, std::uint32_t low, std::uint32_t high) {
 
 constexpr int kPositionBits = 16;
 
-CodedPart part_of(const std::vector<Coordinates>& positions, const std::vector<mesh::Triangle>& triangles) {
-  CodedPart part;
+coded::CodedPart part_of(const std::vector<coded::Coordinates>& positions,
+                         const std::vector<mesh::Triangle>& triangles) {
+  coded::CodedPart part;
   part.positions = positions;
   part.triangles = triangles;
   return part;
 }
 
 // Any triangles of points in a cube, in some frame.
-CodedPart random_part(Random& random, std::uint32_t size) {
-  std::vector<Coordinates> positions(pick(random, 1, 40));
+coded::CodedPart random_part(Random& random, std::uint32_t size) {
+  std::vector<coded::Coordinates> positions(pick(random, 1, 40));
   const std::uint32_t base = pick(random, 0, (1 << kPositionBits) - size);
-  for (Coordinates& p : positions)
+  for (coded::Coordinates& p : positions)
     for (std::size_t i = 0; i < 4; ++i) p[i] = base + pick(random, 0, size);
   std::vector<mesh::Triangle> triangles(pick(random, 0, 100));
   const auto last = static_cast<std::uint32_t>(positions.size() - 1);
   for (mesh::Triangle& t : triangles)
     for (auto& v : t) v = pick(random, 0, last);
-  CodedPart part = part_of(positions, triangles);
+  coded::CodedPart part = part_of(positions, triangles);
   for (auto& row : part.frame)
     for (auto& entry : row)
-      entry = static_cast<std::int8_t>(static_cast<int>(pick(random, 0, 2 * kGreatestFrameEntry)) -
-                                       kGreatestFrameEntry);
+      entry = static_cast<std::int8_t>(static_cast<int>(pick(random, 0, 2 * coded::kGreatestFrameEntry)) -
+                                       coded::kGreatestFrameEntry);
   return part;
 }
 
@@ -60,7 +61,7 @@ TEST(FaceSums, AreTheSameNarrowAndWide) {
   for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const CodedPart part = random_part(random, 1U << pick(random, 0, kPositionBits));
+    const coded::CodedPart part = random_part(random, 1U << pick(random, 0, kPositionBits));
     for (const std::int32_t own_weight : {0, 3, 8}) {
       const auto narrow = narrow_face_sums(kPositionBits, part, own_weight);
       ++(narrow ? narrow_count : wide_count);
@@ -75,9 +76,9 @@ TEST(FaceSums, AreThoseOfPlainIntegers) {
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    const CodedPart part = random_part(random, 1U << pick(random, 0, kPositionBits));
+    const coded::CodedPart part = random_part(random, 1U << pick(random, 0, kPositionBits));
     std::vector<LongVector> points;
-    for (const Coordinates& w : part.positions) {
+    for (const coded::Coordinates& w : part.positions) {
       LongVector& point = points.emplace_back();
       for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::size_t row = 0; row < 3; ++row) point[axis] += std::int64_t{w[row]} * part.frame[row][axis];

@@ -6,8 +6,8 @@
 
 #include <random>
 
+#include "codec/coded/renumber.hpp"
 #include "codec/predict/connectivity.hpp"
-#include "codec/renumber.hpp"
 
 namespace colossus::codec::predict {
 namespace {
@@ -19,13 +19,13 @@ std::uint32_t pick(Random& random, std::uint32_t low, std::uint32_t high) {
 }
 
 struct Square {
-  CodedPart part;                     // as the codec wants it, without positions
+  coded::CodedPart part;              // as the codec wants it, without positions
   std::vector<std::uint32_t> places;  // of the vertices, row by row
 };
 
 // Of 2 * width * width triangles.
 Square square(std::uint32_t width) {
-  CodedPart part;
+  coded::CodedPart part;
   const auto at = [&](std::uint32_t x, std::uint32_t y) { return y * (width + 1) + x; };
   for (std::uint32_t y = 0; y < width; ++y)
     for (std::uint32_t x = 0; x < width; ++x) {
@@ -33,14 +33,16 @@ Square square(std::uint32_t width) {
       part.triangles.push_back({at(x, y), at(x + 1, y + 1), at(x, y + 1)});
     }
   order_by_traversal(part.triangles, at(width, width) + 1);
-  const std::vector<std::uint32_t> places = renumber_by_first_use(part.triangles, at(width, width) + 1);
+  const std::vector<std::uint32_t> places =
+      coded::renumber_by_first_use(part.triangles, at(width, width) + 1);
   part.positions.resize(places.size());
   return {part, places};
 }
 
-std::vector<Coordinates> decoded(const core::Bytes& bits, const core::Bytes& values, const Links& links,
-                                 const CodedNode& node, const CodedPart& part) {
-  CodedPart result = part;
+std::vector<coded::Coordinates> decoded(const core::Bytes& bits, const core::Bytes& values,
+                                        const Links& links, const coded::CodedNode& node,
+                                        const coded::CodedPart& part) {
+  coded::CodedPart result = part;
   result.positions.assign(part.positions.size(), {});
   BitDecoder face_bits(bits);
   FaceModel faces;
@@ -50,7 +52,7 @@ std::vector<Coordinates> decoded(const core::Bytes& bits, const core::Bytes& val
   return result.positions;
 }
 
-void expect_round_trip(const CodedNode& node, const CodedPart& part) {
+void expect_round_trip(const coded::CodedNode& node, const coded::CodedPart& part) {
   LinkStore store(part.positions.size());
   ConnectivityEncoder().encode(part, store);
   const Links links = store.first(part.positions.size());
@@ -61,12 +63,12 @@ void expect_round_trip(const CodedNode& node, const CodedPart& part) {
   ASSERT_EQ(decoded(bits.finish(), values.finish(), links, node, part), part.positions);
 }
 
-Frame any_frame(Random& random) {
-  Frame frame;
+coded::Frame any_frame(Random& random) {
+  coded::Frame frame;
   for (auto& row : frame)
     for (auto& entry : row)
-      entry = static_cast<std::int8_t>(static_cast<int>(pick(random, 0, 2 * kGreatestFrameEntry)) -
-                                       kGreatestFrameEntry);
+      entry = static_cast<std::int8_t>(static_cast<int>(pick(random, 0, 2 * coded::kGreatestFrameEntry)) -
+                                       coded::kGreatestFrameEntry);
   return frame;
 }
 
@@ -84,15 +86,15 @@ TEST(Positions, OfAnySizeSurvive) {
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    CodedPart part = square(pick(random, 1, 12)).part;
-    CodedNode node;
+    coded::CodedPart part = square(pick(random, 1, 12)).part;
+    coded::CodedNode node;
     node.is_cube = true;
     node.position_bits = static_cast<int>(pick(random, 0, 32));
     const std::uint32_t bits = pick(random, 1, 32);
     const std::uint32_t center = pick(random, 0, 1) == 0 ? 0 : pick(random, 0, 1U << 18);
     // Now and then one that is out of range among many that are not.
     const bool has_odd_ones = pick(random, 0, 2) == 0;
-    for (Coordinates& p : part.positions) {
+    for (coded::Coordinates& p : part.positions) {
       for (std::size_t i = 0; i < 3; ++i) p[i] = any_number(random, center, bits);
       if (has_odd_ones && pick(random, 0, 99) == 0) p[pick(random, 0, 2)] = pick(random, 0, ~0U);
     }
@@ -105,13 +107,13 @@ TEST(Positions, WeightsOfAnyTetrahedronSurvive) {
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
-    CodedPart part = square(pick(random, 1, 12)).part;
+    coded::CodedPart part = square(pick(random, 1, 12)).part;
     part.frame = any_frame(random);
-    CodedNode node;
+    coded::CodedNode node;
     node.position_bits = static_cast<int>(pick(random, 0, 20));
     const std::uint32_t one = 1U << node.position_bits;
     const bool is_wild = pick(random, 0, 3) == 0;
-    for (Coordinates& w : part.positions) {
+    for (coded::Coordinates& w : part.positions) {
       std::uint32_t left = one;
       for (std::size_t i = 0; i < 3; ++i) {
         w[i] = is_wild ? any_number(random, one / 4, pick(random, 1, 32)) : pick(random, 0, left);
@@ -132,7 +134,7 @@ TEST(Positions, OfPlanesSurvive) {
     Random random(seed);
     const std::uint32_t width = pick(random, 2, 12);
     auto [part, places] = square(width);
-    CodedNode node;
+    coded::CodedNode node;
     node.is_cube = true;
     node.position_bits = 18;
     const std::uint32_t step = pick(random, 1, 4000);

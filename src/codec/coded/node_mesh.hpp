@@ -1,0 +1,65 @@
+// A node's geometry as it is stored: per tetrahedron, integer barycentric weights, octahedral normals,
+// colours.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "codec/coded/coded_node.hpp"
+#include "hierarchy/diamond.hpp"
+
+namespace colossus::codec::coded {
+
+inline constexpr int kMinPositionBits = 8;
+inline constexpr int kMaxPositionBits = 16;
+inline constexpr int kDefaultPositionBits = 12;
+
+// Weights of the four corners in global order; they sum to 2^position_bits.
+using Weights = Coordinates;
+
+// Bit i: weight i is 0, so the vertex lies on the face opposite corner i.
+inline std::uint8_t marks_of(const Weights& weights) {
+  std::uint8_t marks = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (weights[i] == 0) marks = static_cast<std::uint8_t>(marks | 1U << i);
+  return marks;
+}
+
+// Where the first three weights lead: the corners as seen from the last, in units that make them small.
+Frame frame_of(const hierarchy::Tetrahedron& tetrahedron);
+
+// One tetrahedron of a node. All vertex arrays have one entry per vertex, or none where the attribute is
+// absent.
+struct QuantizedTetrahedron {
+  std::uint8_t place = 0;
+  Frame frame = kIdentityFrame;  // frame_of() the tetrahedron
+  std::vector<Weights> weights;
+  // marks_of() the weights.
+  std::vector<std::uint8_t> marks;
+  std::vector<OctahedralNormal> normals;
+  std::vector<mesh::Color> colors;
+  std::vector<mesh::Triangle> triangles;
+  friend bool operator==(const QuantizedTetrahedron&, const QuantizedTetrahedron&) = default;
+};
+
+struct NodeMesh {
+  int position_bits = kDefaultPositionBits;
+  bool has_normals = false;
+  bool has_colors = false;
+  std::vector<QuantizedTetrahedron> tetrahedra;  // by ascending place
+  friend bool operator==(const NodeMesh&, const NodeMesh&) = default;
+};
+
+// A decoded position times 2^position_bits, exact in 64 bits.
+using ScaledPosition = std::array<std::int64_t, 3>;
+
+inline ScaledPosition scaled_position(const Weights& weights, const hierarchy::Tetrahedron& tetrahedron) {
+  ScaledPosition sum{};
+  for (std::size_t i = 0; i < 4; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      sum[static_cast<std::size_t>(axis)] += std::int64_t{weights[i]} * tetrahedron.corners[i][axis];
+  return sum;
+}
+
+}  // namespace colossus::codec::coded

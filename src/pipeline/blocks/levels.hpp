@@ -1,0 +1,13 @@
+// Simplifies level by level, from the cubes of the deepest to the root's.
+#pragma once
+
+#include "pipeline/blocks/node.hpp"
+
+namespace colossus::pipeline::blocks {
+
+// Collective. Within a level blocks are independent tasks. Sets all of the hierarchy but its options. Throws
+// Error(kBadData) when the deepest level lacks surface.
+facts::Hierarchy build_block_levels(const run::Workspace& workspace, const BlockSettings& settings,
+                                    CubePartition&& partition, const facts::Catalog& catalog);
+
+}  // namespace colossus::pipeline::blocks

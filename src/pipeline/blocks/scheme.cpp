@@ -1,0 +1,71 @@
+#include "pipeline/blocks/scheme.hpp"
+
+#include <cmath>
+
+#include "core/log.hpp"
+#include "pipeline/blocks/levels.hpp"
+#include "pipeline/ingest/extent.hpp"
+#include "pipeline/run/memory.hpp"
+#include "pipeline/run/phase.hpp"
+
+namespace colossus::pipeline::blocks {
+
+void check_blocks(const facts::BuildOptions& options) {
+  using core::Status;
+  if (options.position_bits < codec::coded::kMinPositionBits ||
+      options.position_bits > codec::coded::kMaxPositionBits)
+    core::fail(Status::kUsage, "--position-bits {} is out of range; choose {} to {}", options.position_bits,
+               codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
+  const int most_levels = geometry::kRootBits - codec::coded::kMaxPositionBits;
+  if (options.levels && (*options.levels < 0 || *options.levels > most_levels))
+    core::fail(Status::kUsage, "--levels {} is out of range; choose 0 to {}", *options.levels, most_levels);
+  if (options.block_size &&
+      (*options.block_size < hierarchy::kLeastBlockSize ||
+       *options.block_size > hierarchy::kGreatestBlockSize || *options.block_size % 4 != 0))
+    core::fail(Status::kUsage, "--block-size {} is out of range; choose a multiple of 4, {} to {}",
+               *options.block_size, hierarchy::kLeastBlockSize, hierarchy::kGreatestBlockSize);
+  if (!std::isfinite(options.color_weight) || options.color_weight < 0.0)
+    core::fail(Status::kUsage, "--color-weight {} is out of range; choose 0 or a positive number",
+               options.color_weight);
+}
+
+facts::Hierarchy build_blocks(const run::Workspace& workspace, facts::Catalog& catalog,
+                              std::vector<ingest::TriangleGroup>&& groups) {
+  const Grid grid = choose_grid(workspace, catalog, groups);
+  core::log("grid: {} levels of cubes, positions rounded to {}", grid.levels,
+            catalog.lattice.step * grid.spacing());
+  const double rounding_error =
+      catalog.lattice.input_error() + std::sqrt(3.0) / 2.0 * grid.spacing() * catalog.lattice.step;
+  workspace.ranks.attempt([&] {
+    if (workspace.ranks.is_root())
+      ingest::refuse_far_corner(workspace.options, catalog, 2.0 * rounding_error);
+  });
+  CubePartition partition = partition_cubes(workspace, catalog, grid, groups);
+  groups = {};
+  buckets::log_counts(workspace.ranks, catalog);
+  const std::uint64_t peak = run::greatest_peak_memory(workspace.ranks);
+  core::log("partition: {} edges too long for their cubes split, peak memory {} MB",
+            catalog.counts.split_edges, peak >> 20);
+
+  BlockSettings settings;
+  settings.lattice = catalog.lattice;
+  settings.grid = grid;
+  settings.codec = &codec::codec_named(workspace.options.codec);
+  settings.has_colors = catalog.has_colors;
+  settings.color_weight = workspace.options.color_weight;
+  settings.rounding_error = rounding_error;
+  settings.block_size = workspace.options.block_size.value_or(kDefaultBlockSize);
+  settings.has_shifted_blocks = workspace.options.has_shifted_blocks;
+  workspace.ranks.attempt([&] {
+    if (workspace.ranks.is_root())
+      require_tolerance(workspace.options, settings.input_error(partition.displacement));
+  });
+  facts::Hierarchy hierarchy = build_block_levels(workspace, settings, std::move(partition), catalog);
+  hierarchy.options = {{"block_size", fmt::format("{}", settings.block_size)},
+                       {"levels", fmt::format("{}", grid.levels)}};
+  if (settings.color_weight > 0.0)
+    hierarchy.options.push_back({"color_weight", fmt::format("{}", settings.color_weight)});
+  return hierarchy;
+}
+
+}  // namespace colossus::pipeline::blocks

@@ -1,0 +1,19 @@
+// The blocks scheme: uncut triangles in the cubes of an octree, simplified block by block with half-edge
+// collapses (paper 001, chapter 3).
+#pragma once
+
+#include "pipeline/nodes/scheme.hpp"
+
+namespace colossus::pipeline::blocks {
+
+inline constexpr int kDefaultBlockSize = 4;
+// Edges are at most this long in the maximum norm, in sides of a cube of the deepest level; likewise twice
+// the way from a vertex to its parent, in sides of its cube. Viewers need kappa0 > 1 + 3 sigma0; half of that
+// is interpolation band.
+inline constexpr double kGreatestSigma = 0.3;
+
+void check_blocks(const facts::BuildOptions& options);
+facts::Hierarchy build_blocks(const run::Workspace& workspace, facts::Catalog& catalog,
+                              std::vector<ingest::TriangleGroup>&& groups);
+
+}  // namespace colossus::pipeline::blocks

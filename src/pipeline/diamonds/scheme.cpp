@@ -1,0 +1,117 @@
+#include "pipeline/diamonds/scheme.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/log.hpp"
+#include "pipeline/buckets/attributes.hpp"
+#include "pipeline/diamonds/levels.hpp"
+#include "pipeline/diamonds/partition.hpp"
+#include "pipeline/facts/finished_nodes.hpp"
+#include "pipeline/ingest/extent.hpp"
+#include "pipeline/run/memory.hpp"
+
+namespace colossus::pipeline::diamonds {
+namespace {
+
+// Rounding changes the weights by at most three units in all (one each for three corners that must not become
+// 0), so it moves a vertex by at most three times the longest edge over 2^bits.
+constexpr double kWeightUnits = 3.0;
+
+double longest_edge(const TetrahedronRecord& leaf) {
+  const hierarchy::Diamond diamond = hierarchy::Diamond::at(leaf.id.center);
+  return std::sqrt(static_cast<double>(squared_distance(diamond.ends[0], diamond.ends[1])));
+}
+
+// The bits that keep every leaf's quantisation, and the lattice's rounding, within the tolerance. Throws
+// Error(kUsage) when none do.
+int bits_for_tolerance(double tolerance, const Partition& partition, const geometry::Lattice& lattice,
+                       double input_error) {
+  double longest = 0.0;
+  for (const TetrahedronRecord& leaf : partition.leaves) longest = std::max(longest, longest_edge(leaf));
+  const auto error_at = [&](int bits) {
+    return kWeightUnits * longest * lattice.step / static_cast<double>(1 << bits) + input_error;
+  };
+  for (int bits = codec::coded::kMinPositionBits; bits <= codec::coded::kMaxPositionBits; ++bits)
+    if (error_at(bits) <= tolerance) return bits;
+  core::fail(
+      core::Status::kUsage,
+      "--tolerance {} cannot be kept: the least that can is {}, with {} bits per weight in the largest "
+      "leaf; smaller leaves (--leaf-triangles) allow less, but not less than the lattice's {}",
+      tolerance, error_at(codec::coded::kMaxPositionBits), codec::coded::kMaxPositionBits, input_error);
+}
+
+// How far from each other points may lie that fall together, in the leaves that hold most triangles.
+double greatest_gap(const Partition& partition, const geometry::Lattice& lattice, int position_bits) {
+  std::vector<std::pair<double, std::uint64_t>> leaves;  // longest edge, triangles
+  std::uint64_t whole = 0, sum = 0;
+  for (const TetrahedronRecord& leaf : partition.leaves) {
+    leaves.emplace_back(longest_edge(leaf), leaf.triangles);
+    whole += leaf.triangles;
+  }
+  std::sort(leaves.begin(), leaves.end());
+  double longest = 0.0;
+  for (const auto& [edge, triangles] : leaves)
+    if (longest = edge; 2 * (sum += triangles) >= whole) break;
+  return 2.0 * (lattice.input_error() + longest * lattice.step / static_cast<double>(1 << position_bits));
+}
+
+// Bits, and the lattice's error, on rank 0.
+void choose_precision(const facts::BuildOptions& options, const facts::Catalog& catalog,
+                      const Partition& leaves, NodeSettings& settings) {
+  settings.input_error = catalog.lattice.input_error();
+  // What stands for a triangle that the lattice, or a cut, took reaches up to two steps beyond it.
+  if (leaves.revived > 0) settings.input_error += 2.0 * catalog.lattice.step * geometry::kInputSpacing;
+  settings.quantize.position_bits =
+      options.tolerance
+          ? bits_for_tolerance(*options.tolerance, leaves, catalog.lattice, settings.input_error)
+          : options.position_bits;
+  ingest::refuse_far_corner(options, catalog,
+                            greatest_gap(leaves, catalog.lattice, settings.quantize.position_bits));
+}
+
+void log_partition(const cluster::Communicator& ranks, const facts::Catalog& catalog,
+                   const Partition& partition) {
+  std::uint64_t triangles = 0;
+  for (const TetrahedronRecord& leaf : partition.leaves) triangles += leaf.triangles;
+  buckets::log_counts(ranks, catalog);
+  const std::uint64_t peak = run::greatest_peak_memory(ranks);
+  core::log("partition: {} triangles in {} leaf tetrahedra, peak memory {} MB", triangles,
+            partition.leaves.size(), peak >> 20);
+}
+
+}  // namespace
+
+void check_diamonds(const facts::BuildOptions& options) {
+  if (options.position_bits < codec::coded::kMinPositionBits ||
+      options.position_bits > codec::coded::kMaxPositionBits)
+    core::fail(core::Status::kUsage, "--position-bits {} is out of range; choose {} to {}",
+               options.position_bits, codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
+  if (options.levels) core::fail(core::Status::kUsage, "--levels is an option of --scheme blocks only");
+  if (options.block_size)
+    core::fail(core::Status::kUsage, "--block-size is an option of --scheme blocks only");
+  if (options.color_weight != 0.0)
+    core::fail(core::Status::kUsage, "--color-weight is an option of --scheme blocks only");
+}
+
+facts::Hierarchy build_diamonds(const run::Workspace& workspace, facts::Catalog& catalog,
+                                std::vector<ingest::TriangleGroup>&& groups) {
+  const cluster::Communicator& ranks = workspace.ranks;
+  const Partition leaves = partition(workspace, catalog, std::move(groups));
+  log_partition(ranks, catalog, leaves);
+  NodeSettings settings;
+  settings.lattice = catalog.lattice;
+  ranks.attempt([&] {
+    if (ranks.is_root()) choose_precision(workspace.options, catalog, leaves, settings);
+  });
+  broadcast_value(ranks, settings.quantize.position_bits);
+  broadcast_value(ranks, settings.input_error);
+  settings.quantize.normals = true;
+  settings.codec = &codec::codec_named(workspace.options.codec);
+  settings.quantize.colors = catalog.has_colors;
+  settings.leaf_triangles = workspace.options.leaf_triangles;
+  settings.floor_triangles = floor_triangles(workspace.options);
+  return build_levels(workspace, settings, leaves, catalog);
+}
+
+}  // namespace colossus::pipeline::diamonds

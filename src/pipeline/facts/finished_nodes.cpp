@@ -1,0 +1,88 @@
+#include "pipeline/facts/finished_nodes.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "core/error.hpp"
+#include "core/log.hpp"
+
+namespace colossus::pipeline::facts {
+
+NodeStatistics& NodeStatistics::operator+=(const NodeStatistics& other) {
+  initial_triangles += other.initial_triangles;
+  target_triangles += other.target_triangles;
+  reached_triangles += other.reached_triangles;
+  initial_vertices += other.initial_vertices;
+  locked_vertices += other.locked_vertices;
+  angles.below_5_degrees += other.angles.below_5_degrees;
+  angles.below_15_degrees += other.angles.below_15_degrees;
+  angles.below_30_degrees += other.angles.below_30_degrees;
+  inconsistent_edges += other.inconsistent_edges;
+  finest_border_edges += other.finest_border_edges;
+  finest_nonmanifold_edges += other.finest_nonmanifold_edges;
+  return *this;
+}
+
+void Hierarchy::add(const FinishedNode& node) {
+  nodes.push_back(node);
+  const container::NodeRow& row = node.row;
+  if (levels.size() <= row.level) levels.resize(row.level + 1);
+  LevelStatistics& level = levels[row.level];
+  ++level.nodes;
+  level.leaves += (row.flags & container::kNodeIsLeaf) != 0 ? 1 : 0;
+  level.leaves_above_limit += (row.flags & container::kNodeIsAboveLimit) != 0 ? 1 : 0;
+  level.vertices += row.vertices;
+  level.triangles += row.triangles;
+  level.payload_bytes += row.payload_bytes;
+  level.stored_bytes += row.stored_bytes;
+  level.error = std::max(level.error, row.error);
+  level.displacement = std::max(level.displacement, node.displacement);
+  for (std::size_t i = 0; i < codec::coded::kComponentCount; ++i)
+    level.component_bytes[i] += node.component_bytes[i];
+  add(row.level, node.statistics);
+}
+
+void Hierarchy::add(std::uint32_t level, const NodeStatistics& own) {
+  if (levels.size() <= level) levels.resize(level + 1);
+  levels[level].sums += own;
+}
+
+double Hierarchy::finest_area() const {
+  double sum = 0.0;
+  for (const StoredNode& node : nodes) sum += node.area;
+  return sum;
+}
+
+std::uint64_t Hierarchy::finest_triangles() const {
+  std::uint64_t sum = 0;
+  for (const StoredNode& node : nodes)
+    if ((node.row.flags & container::kNodeIsLeaf) != 0) sum += node.row.triangles;
+  return sum;
+}
+
+void Hierarchy::sort() {
+  std::sort(nodes.begin(), nodes.end(), [](const StoredNode& a, const StoredNode& b) {
+    return std::tie(a.row.level, a.row.center) < std::tie(b.row.level, b.row.center);
+  });
+}
+
+void require_tolerance(const BuildOptions& options, double greatest_error) {
+  if (!options.tolerance || greatest_error <= *options.tolerance) return;
+  core::fail(core::Status::kUsage,
+             "--tolerance {} cannot be kept: the least that can is {}, the greatest error of a leaf, where "
+             "corners were moved apart that would have fallen together, or edges were split; smaller leaves "
+             "(--leaf-triangles) allow less",
+             *options.tolerance, greatest_error);
+}
+
+void warn_of_missed_target(const Hierarchy& hierarchy, std::uint32_t level) {
+  if (level >= hierarchy.levels.size()) return;
+  const NodeStatistics& sums = hierarchy.levels[level].sums;
+  if (10 * sums.reached_triangles <= 11 * sums.target_triangles) return;
+  core::warn(
+      "level {} does not shrink as it should: {} triangles are left of {}, where {} were aimed at; separate "
+      "pieces, borders, non-manifold edges and what other nodes share can be simplified only so far",
+      level, sums.reached_triangles, sums.initial_triangles, sums.target_triangles);
+}
+
+}  // namespace colossus::pipeline::facts

@@ -1,0 +1,121 @@
+#include "reader/blocks/statue.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "codec/cube_codec.hpp"
+#include "core/error.hpp"
+
+namespace colossus::reader::blocks {
+
+using container::NodeRow;
+using core::Status;
+using hierarchy::CubeId;
+
+namespace {
+
+double parameter(const access::StatueFile& statue, const std::string& name) {
+  for (const container::NamedReal& parameter : statue.metadata().parameters)
+    if (parameter.name == name) return parameter.value;
+  core::fail(Status::kBadData, "{}: the parameter \"{}\" is missing", statue.container().path().string(),
+             name);
+}
+
+std::size_t memory_bytes(const codec::coded::CubeMesh& mesh) {
+  return sizeof(mesh) + mesh.positions.size() * sizeof(geometry::Point) + mesh.normals.size() * 2 +
+         mesh.colors.size() * sizeof(mesh::Color) + mesh.parents.size() * sizeof(std::uint32_t) +
+         mesh.triangles.size() * sizeof(mesh::Triangle);
+}
+
+}  // namespace
+
+CubeStatue::CubeStatue(const std::filesystem::path& path, const access::StatueOptions& options)
+    : CubeStatue(container::ContainerReader(path), options) {}
+
+CubeStatue::CubeStatue(container::ContainerReader container, const access::StatueOptions& options)
+    : access::StatueFile(std::move(container), container::kSchemeBlocks), cache_(options.cache_bytes) {
+  const std::string file = this->container().path().string();
+  sigma0_ = parameter(*this, "sigma0");
+  if (!(sigma0_ > 0.0) || !(sigma0_ <= 1.0))
+    core::fail(Status::kBadData, "{}: sigma0: expected a number above 0 and at most 1, found {}", file,
+               sigma0_);
+  const double size = parameter(*this, "block_size");
+  if (!(size >= hierarchy::kLeastBlockSize) || !(size <= hierarchy::kGreatestBlockSize) ||
+      std::fmod(size, 4.0) != 0.0)
+    core::fail(Status::kBadData, "{}: block_size: expected a multiple of 4 from {} to {}, found {}", file,
+               hierarchy::kLeastBlockSize, hierarchy::kGreatestBlockSize, size);
+  block_size_ = static_cast<int>(size);
+  for (access::RowIndex row = 0; row < rows().size(); ++row)
+    if (!cube(row).is_inside_root()) fail_node(row, "the centre is no cube's centre of this level");
+}
+
+CubeId CubeStatue::cube(access::RowIndex row) const {
+  const NodeRow& node = rows()[row];
+  const geometry::Point center{node.center[0], node.center[1], node.center[2]};
+  const auto level = std::min<std::uint32_t>(node.level, hierarchy::kMaxCubeLevel + 1);
+  return hierarchy::cube_at(center, static_cast<int>(level), root_bits());
+}
+
+access::RowIndex CubeStatue::find(const CubeId& cube) const {
+  if (!cube.is_inside_root() || cube.level >= root_bits()) return access::kNoRow;
+  const geometry::Point center = cube.center(root_bits());
+  const auto level = static_cast<std::uint32_t>(cube.level);
+  const std::array<std::int32_t, 3> key{center.x, center.y, center.z};
+  const auto found = std::lower_bound(
+      rows().begin(), rows().end(), std::tie(level, key),
+      [](const NodeRow& row, const auto& wanted) { return std::tie(row.level, row.center) < wanted; });
+  if (found == rows().end() || found->level != level || found->center != key) return access::kNoRow;
+  return static_cast<access::RowIndex>(found - rows().begin());
+}
+
+access::RowIndex CubeStatue::parent(access::RowIndex row) const {
+  return rows()[row].level == 0 ? access::kNoRow : find(cube(row).parent());
+}
+
+std::array<access::RowIndex, 8> CubeStatue::children(access::RowIndex row) const {
+  std::array<access::RowIndex, 8> result{};
+  const CubeId own = cube(row);
+  for (int octant = 0; octant < 8; ++octant)
+    result[static_cast<std::size_t>(octant)] = find(own.child(octant));
+  return result;
+}
+
+RowRange CubeStatue::rows_of_level(std::uint32_t level) const {
+  const auto before = [](const NodeRow& row, std::uint32_t wanted) { return row.level < wanted; };
+  const auto first = std::lower_bound(rows().begin(), rows().end(), level, before);
+  const auto last = std::lower_bound(first, rows().end(), level + 1, before);
+  return {static_cast<access::RowIndex>(first - rows().begin()),
+          static_cast<access::RowIndex>(last - rows().begin())};
+}
+
+codec::coded::CubeMesh CubeStatue::load(access::RowIndex index) const {
+  const NodeRow& row = rows()[index];
+  const auto payload = container().read_payload(index);
+  // The container's defects name file and node themselves.
+  if (!payload) core::fail(Status::kBadData, "{}", payload.defect().message);
+  auto decoded = codec::decode_cube(payload.value(), {row.vertices, row.triangles});
+  if (!decoded)
+    fail_node(index,
+              fmt::format("{} (byte {} of the payload)", decoded.defect().message, decoded.defect().offset));
+  codec::coded::CubeMesh mesh = std::move(decoded).value();
+  if (mesh.has_normals != metadata().has_normals || mesh.has_colors != metadata().has_colors)
+    fail_node(index, "its attributes are not those of the container");
+  if (mesh.has_parents != (row.level > 0))
+    fail_node(index, mesh.has_parents ? "its vertices have parents" : "its vertices have no parents");
+  if (mesh.positions.size() != row.vertices || mesh.triangles.size() != row.triangles)
+    fail_node(index, fmt::format("it holds {} vertices and {} triangles; its row says {} and {}",
+                                 mesh.positions.size(), mesh.triangles.size(), row.vertices, row.triangles));
+  const std::int64_t side = std::int64_t{1} << root_bits();
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (const std::int32_t c = mesh.positions[i][axis]; c < 0 || c > side)
+        fail_node(index, fmt::format("vertex {} is at {} on axis {}, outside the root cube", i, c, axis));
+  return mesh;
+}
+
+std::shared_ptr<const codec::coded::CubeMesh> CubeStatue::node(access::RowIndex row) const {
+  return cache_.get(
+      row, [&] { return load(row); }, memory_bytes);
+}
+
+}  // namespace colossus::reader::blocks

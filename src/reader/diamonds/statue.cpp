@@ -1,0 +1,184 @@
+#include "reader/diamonds/statue.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "codec/node_codec.hpp"
+#include "core/error.hpp"
+
+namespace colossus::reader::diamonds {
+
+using container::NodeRow;
+using core::Status;
+using hierarchy::Diamond;
+using hierarchy::Point;
+
+std::size_t Node::memory_bytes() const {
+  std::size_t bytes = sizeof(Node);
+  for (const auto& part : mesh.tetrahedra)
+    bytes += sizeof(part) + part.weights.size() * sizeof(codec::coded::Weights) + part.marks.size() +
+             part.normals.size() * 2 + part.colors.size() * sizeof(mesh::Color) +
+             part.triangles.size() * sizeof(mesh::Triangle);
+  return bytes;
+}
+
+Statue::Statue(const std::filesystem::path& path, const access::StatueOptions& options)
+    : Statue(container::ContainerReader(path), options) {}
+
+Statue::Statue(container::ContainerReader container, const access::StatueOptions& options)
+    : access::StatueFile(std::move(container), container::kSchemeDiamonds), cache_(options.cache_bytes) {
+  const container::Metadata& meta = metadata();
+  const std::string file = this->container().path().string();
+  if (meta.lattice.root_bits != geometry::kRootBits)
+    core::fail(Status::kBadData, "{}: the root cube has {} bits; this program reads {}", file,
+               meta.lattice.root_bits, geometry::kRootBits);
+  if (meta.position_bits < codec::coded::kMinPositionBits ||
+      meta.position_bits > codec::coded::kMaxPositionBits)
+    core::fail(Status::kBadData, "{}: {} position bits; expected {} to {}", file, meta.position_bits,
+               codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
+  int exponent = 0;
+  if (!(meta.lattice.step > 0.0) || std::frexp(meta.lattice.step, &exponent) != 0.5)
+    core::fail(Status::kBadData, "{}: the lattice's step {} is no power of two", file, meta.lattice.step);
+  lattice_.origin = meta.lattice.origin;
+  lattice_.step = meta.lattice.step;
+  scaled_step_ = std::ldexp(lattice_.step, -meta.position_bits);
+  for (access::RowIndex row = 0; row < rows().size(); ++row) check_row(row);
+  children_.resize(rows().size());
+  parents_.resize(rows().size());
+  for (access::RowIndex row = 0; row < rows().size(); ++row)
+    if (!is_leaf(row)) link_children(row);
+  below_.resize(rows().size());
+  for (access::RowIndex row = static_cast<access::RowIndex>(rows().size()); row-- > 0;) {
+    below_[row] = static_cast<std::uint8_t>(below_[row] | rows()[row].tetra_mask);
+    for (std::uint8_t place = 0; place < kMaxPlaces; ++place)
+      if (const TetrahedronRef up = parents_[row][place]; up.exists() && (below_[row] >> place & 1) != 0)
+        below_[up.row] = static_cast<std::uint8_t>(below_[up.row] | 1U << up.place);
+  }
+}
+
+void Statue::check_row(access::RowIndex index) const {
+  const NodeRow& row = rows()[index];
+  const auto on_lattice = [](std::int32_t value) { return value >= 0 && value <= geometry::kRootSide; };
+  if (!std::all_of(row.center.begin(), row.center.end(), on_lattice))
+    fail_node(index, "the centre lies outside the root cube");
+  if (row.level > hierarchy::kMaxLevel || hierarchy::level_of(center(index)) != static_cast<int>(row.level))
+    fail_node(index, fmt::format("the centre is no diamond's centre of this level but of level {}",
+                                 hierarchy::level_of(center(index))));
+  const Diamond diamond = Diamond::at(center(index));
+  for (std::size_t place = 0; place < kMaxPlaces; ++place)
+    if ((row.tetra_mask >> place & 1) != 0 && !diamond.is_inside[place])
+      fail_node(
+          index,
+          fmt::format("its mask has place {}, which the diamond does not have inside the root cube", place));
+}
+
+void Statue::link_children(access::RowIndex row) {
+  const Diamond diamond = Diamond::at(center(row));
+  if (diamond.level >= hierarchy::kMaxLevel) return;
+  for (std::uint8_t place = 0; place < diamond.place_count; ++place) {
+    if (!diamond.is_inside[place]) continue;
+    for (int end = 0; end < 2; ++end) {
+      const hierarchy::Tetrahedron half = diamond.tetrahedra[place].child(end);
+      const access::RowIndex found = find(half.center());
+      if (found == access::kNoRow) continue;
+      const auto id = hierarchy::id_of(half);
+      const auto child_place = static_cast<std::uint8_t>(id.place);
+      children_[row][2 * std::size_t{place} + static_cast<std::size_t>(end)] = {found, child_place};
+      parents_[found][child_place] = {row, place};
+    }
+  }
+}
+
+Point Statue::center(access::RowIndex row) const {
+  const auto& c = rows()[row].center;
+  return {c[0], c[1], c[2]};
+}
+
+access::RowIndex Statue::find(const Point& center) const {
+  const auto level = static_cast<std::uint32_t>(std::max(0, hierarchy::level_of(center)));
+  const std::array<std::int32_t, 3> key{center.x, center.y, center.z};
+  const auto found = std::lower_bound(
+      rows().begin(), rows().end(), std::tie(level, key),
+      [](const NodeRow& row, const auto& wanted) { return std::tie(row.level, row.center) < wanted; });
+  if (found == rows().end() || found->level != level || found->center != key) return access::kNoRow;
+  return static_cast<access::RowIndex>(found - rows().begin());
+}
+
+std::vector<access::RowIndex> Statue::parents(access::RowIndex row) const {
+  std::vector<access::RowIndex> found;
+  for (const Point& parent : Diamond::at(center(row)).parents())
+    if (const access::RowIndex index = find(parent); index != access::kNoRow) found.push_back(index);
+  return found;
+}
+
+TetrahedronRef Statue::child(TetrahedronRef t, int end) const {
+  return children_[t.row][2 * std::size_t{t.place} + static_cast<std::size_t>(end)];
+}
+
+TetrahedronRef Statue::parent(TetrahedronRef t) const { return parents_[t.row][t.place]; }
+
+bool Statue::exists(TetrahedronRef t) const {
+  return rows()[t.row].level == 0 || parents_[t.row][t.place].exists();
+}
+
+Node Statue::load(access::RowIndex index) const {
+  const NodeRow& row = rows()[index];
+  const auto payload = container().read_payload(index);
+  // The container's defects name file and node themselves.
+  if (!payload) core::fail(Status::kBadData, "{}", payload.defect().message);
+  auto decoded = codec::decode(payload.value(), {row.vertices, row.triangles});
+  if (!decoded)
+    fail_node(index,
+              fmt::format("{} (byte {} of the payload)", decoded.defect().message, decoded.defect().offset));
+  Node node{Diamond::at(center(index)), std::move(decoded).value()};
+  const codec::coded::NodeMesh& mesh = node.mesh;
+  if (mesh.position_bits != metadata().position_bits)
+    fail_node(index, fmt::format("it has {} position bits; the container says {}", mesh.position_bits,
+                                 metadata().position_bits));
+  if (mesh.has_normals != metadata().has_normals || mesh.has_colors != metadata().has_colors)
+    fail_node(index, "its attributes are not those of the container");
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
+  for (const auto& part : mesh.tetrahedra) {
+    // The mask's places are inside the root cube: check_row().
+    if ((row.tetra_mask >> part.place & 1) == 0)
+      fail_node(index, fmt::format("it holds place {}, which its row's mask {:#04x} does not have",
+                                   part.place, row.tetra_mask));
+    vertices += part.weights.size();
+    triangles += part.triangles.size();
+  }
+  if (std::popcount(row.tetra_mask) != static_cast<int>(mesh.tetrahedra.size()))
+    fail_node(index, fmt::format("it holds {} tetrahedra; its row's mask {:#04x} has {}",
+                                 mesh.tetrahedra.size(), row.tetra_mask, std::popcount(row.tetra_mask)));
+  if (vertices != row.vertices || triangles != row.triangles)
+    fail_node(index, fmt::format("it holds {} vertices and {} triangles; its row says {} and {}", vertices,
+                                 triangles, row.vertices, row.triangles));
+  return node;
+}
+
+std::shared_ptr<const Node> Statue::node(access::RowIndex row) const {
+  return cache_.get(
+      row, [&] { return load(row); }, [](const Node& node) { return node.memory_bytes(); });
+}
+
+std::array<std::uint32_t, kMaxPlaces> Statue::triangle_counts(access::RowIndex row) const {
+  std::array<std::uint32_t, kMaxPlaces> counts{};
+  const std::uint8_t mask = rows()[row].tetra_mask;
+  if (std::popcount(mask) <= 1) {
+    if (mask != 0) counts[static_cast<std::size_t>(std::countr_zero(mask))] = rows()[row].triangles;
+    return counts;
+  }
+  {
+    const std::lock_guard lock(counts_mutex_);
+    if (const auto found = counts_.find(row); found != counts_.end()) return found->second;
+  }
+  const auto decoded = node(row);
+  for (const auto& part : decoded->mesh.tetrahedra)
+    counts[part.place] = static_cast<std::uint32_t>(part.triangles.size());
+  const std::lock_guard lock(counts_mutex_);
+  counts_.emplace(row, counts);
+  return counts;
+}
+
+}  // namespace colossus::reader::diamonds
