@@ -92,51 +92,41 @@ std::string foreign_name(const std::string& text) {
   return {};
 }
 
-// A binary STL has the size that its count says, and at most a few bytes or padding more; "solid" at its
-// start says nothing.
-bool has_size_of_binary_stl(const core::File& file) {
-  const std::uint64_t count = binary_stl_count(file);
-  const std::uint64_t bytes = binary_stl_bytes(count);
-  if (count == 0 || file.size() < bytes) return false;
-  return file.size() - bytes < binary_stl_bytes(1) - binary_stl_bytes(0) || tail_of(file, bytes).is_padding;
+// "a PLY, OBJ, STL or OFF file".
+std::string expected_text() {
+  std::string names;
+  const auto all = formats();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    names += fmt::format("{}{}", i == 0 ? "" : i + 1 < all.size() ? ", " : " or ", all[i]->name);
+  return fmt::format("expected a {} file", names);
 }
 
-bool starts_with_obj(std::string_view word) {
-  for (std::string_view known : {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl"})
-    if (word == known) return true;
-  return false;
-}
-bool starts_with_off(std::string_view word) {
-  return word.substr(0, word.find_first_of("0123456789", 1)).ends_with("off");
+bool has_extension(const Format& format, const core::File& file) {
+  const std::string extension = lower(file.path().extension().string());
+  return !extension.empty() && fmt::format(" {} ", format.extensions).find(fmt::format(" {} ", extension)) != std::string::npos;
 }
 
 }  // namespace
 
-FileFormat detect_format(const core::File& file) {
-  constexpr const char* kExpected = "expected a PLY, OBJ, STL or OFF file";
-  const std::string text = beginning_of(file);
-  if (text.empty()) fail(Status::kBadData, "{}: is empty; {}", file.path().string(), kExpected);
-  if (has_size_of_binary_stl(file)) return FileFormat::kBinaryStl;
-  if (text.starts_with("ply") && text.size() > 3 && is_white(text[3])) return FileFormat::kPly;
-  if (const std::string foreign = foreign_name(text); !foreign.empty())
-    fail(Status::kBadData, "{}: {}; {}", file.path().string(), foreign, kExpected);
-  const std::string word = first_word(file, text);
-  // What begins with "solid" and is not of the size of a binary STL. Floats and counts have zeros, and text
-  // has none but behind its end.
-  const std::string head = text.substr(0, std::min<std::size_t>(text.size(), 1000));
-  if (word.starts_with("solid"))
-    return head.substr(0, head.find_last_not_of('\0') + 1).find('\0') == std::string::npos
-               ? FileFormat::kAsciiStl
-               : FileFormat::kBinaryStl;
-  if (starts_with_off(word)) return FileFormat::kOff;
-  if (starts_with_obj(word)) return FileFormat::kObj;
-  const std::string extension = lower(file.path().extension().string());
-  if (extension == ".ply") return FileFormat::kPly;
-  if (extension == ".obj") return FileFormat::kObj;
-  if (extension == ".stl") return FileFormat::kBinaryStl;
-  if (extension == ".off" || extension == ".coff" || extension == ".noff" || extension == ".cnoff")
-    return FileFormat::kOff;
-  fail(Status::kBadData, "{}: unknown format; {}", file.path().string(), kExpected);
+FileStart start_of(const core::File& file) {
+  FileStart start{file, beginning_of(file), {}};
+  start.first_word = first_word(file, start.text);
+  return start;
+}
+
+const Format& detect_format(const core::File& file) {
+  if (beginning_of(file).empty())
+    fail(Status::kBadData, "{}: is empty; {}", file.path().string(), expected_text());
+  const FileStart start = start_of(file);
+  for (const Format* format : formats())
+    if (format->is_certain && format->is_certain(start)) return *format;
+  if (const std::string foreign = foreign_name(start.text); !foreign.empty())
+    fail(Status::kBadData, "{}: {}; {}", file.path().string(), foreign, expected_text());
+  for (const Format* format : formats())
+    if (format->resembles && format->resembles(start)) return *format;
+  for (const Format* format : formats())
+    if (has_extension(*format, file)) return *format;
+  fail(Status::kBadData, "{}: unknown format; {}", file.path().string(), expected_text());
 }
 
 }  // namespace colossus::input

@@ -1,28 +1,41 @@
-// The readers behind open_source(), one per format. All share its contract.
+// What a format of inputs is. A new one is a file with a Source and a Format, and a line in formats.cpp.
 #pragma once
 
 #include <memory>
+#include <span>
+#include <string>
 
 #include "core/file.hpp"
 #include "input/source.hpp"
 
 namespace colossus::input {
 
-// `file` is open for reading and not empty.
-std::unique_ptr<Source> open_ply(core::File file, const SourceOptions& options);
-std::unique_ptr<Source> open_obj(core::File file, const SourceOptions& options);
-std::unique_ptr<Source> open_binary_stl(core::File file, const SourceOptions& options);
-std::unique_ptr<Source> open_ascii_stl(core::File file, const SourceOptions& options);
-// How many triangles the header of a binary STL tells of; 0 for what is too short for one.
-std::uint64_t binary_stl_count(const core::File& file);
-// Of a binary STL with so many triangles.
-std::uint64_t binary_stl_bytes(std::uint64_t triangles);
-std::unique_ptr<Source> open_off(core::File file, const SourceOptions& options);
+// What detection looks at.
+struct FileStart {
+  const core::File& file;
+  std::string text;        // the first 16 KiB, behind a byte order mark
+  std::string first_word;  // that is in no comment, in lower case
+};
 
-enum class FileFormat { kPly, kObj, kOff, kBinaryStl, kAsciiStl };
-// By content, then by extension. Throws Error(kBadData) for an empty file, for what is neither, and, saying
-// what it is, for what is packed, UTF-16, or only stands for a file.
-FileFormat detect_format(const core::File& file);
+struct Format {
+  const char* name;        // in messages
+  const char* extensions;  // in lower case, such as ".off .coff"; they count where no content tells
+  // Whether a size or magic number tells this format. Asked of all formats first, then whether the file is
+  // something well known that is no mesh; may be null.
+  bool (*is_certain)(const FileStart& start);
+  // Whether the first words do; may be null.
+  bool (*resembles)(const FileStart& start);
+  // `file` is open for reading and not empty. The Source keeps what source.hpp promises.
+  std::unique_ptr<Source> (*open)(core::File file, const SourceOptions& options);
+};
+
+// All of them, in the order in which they are asked.
+std::span<const Format* const> formats();
+
+// By content, then by extension. Throws Error(kBadData) for an empty file, for what is none of the formats,
+// and, saying what it is, for what is packed, UTF-16, or only stands for a file.
+const Format& detect_format(const core::File& file);
+FileStart start_of(const core::File& file);
 
 // Throws Error(kBadData) when info.textures is not empty and the options do not drop them.
 void refuse_textures(const SourceInfo& info, const SourceOptions& options);

@@ -75,18 +75,8 @@ const core::File& Source::file() const {
 
 std::unique_ptr<Source> open_source(const std::filesystem::path& path, const SourceOptions& options) {
   core::File file = core::File::open_for_reading(path);
-  switch (detect_format(file)) {
-    case FileFormat::kPly:
-      return open_ply(std::move(file), options);
-    case FileFormat::kObj:
-      return open_obj(std::move(file), options);
-    case FileFormat::kOff:
-      return open_off(std::move(file), options);
-    case FileFormat::kBinaryStl:
-      return open_binary_stl(std::move(file), options);
-    default:
-      return open_ascii_stl(std::move(file), options);
-  }
+  const Format& format = detect_format(file);
+  return format.open(std::move(file), options);
 }
 
 std::vector<std::filesystem::path> expand_inputs(std::span<const std::string> arguments) {

@@ -74,11 +74,31 @@ class AttributeColors {
   Color header_color_{};
 };
 
+// How many triangles the header tells of; 0 for what is too short for one.
+std::uint64_t binary_count(const core::File& file) {
+  std::array<std::byte, kHeaderBytes> header;
+  if (file.read_some_at(0, header) < kHeaderBytes) return 0;
+  std::uint32_t count;
+  std::memcpy(&count, header.data() + 80, sizeof(count));
+  return count;
+}
+
+std::uint64_t binary_bytes(std::uint64_t triangles) { return kHeaderBytes + triangles * kRowBytes; }
+
+// A binary STL has the size that its count says, and at most a few bytes or padding more; "solid" at its
+// start says nothing.
+bool has_size_of_binary(const core::File& file) {
+  const std::uint64_t count = binary_count(file);
+  const std::uint64_t bytes = binary_bytes(count);
+  if (count == 0 || file.size() < bytes) return false;
+  return file.size() - bytes < kRowBytes || tail_of(file, bytes).is_padding;
+}
+
 class BinaryStl final : public Source {
  public:
   BinaryStl(core::File opened, const SourceOptions& options) : Source(std::move(opened), options) {
     info_.format = "STL binary";
-    const std::uint64_t count = binary_stl_count(file());
+    const std::uint64_t count = binary_count(file());
     if (info_.bytes < kHeaderBytes)
       fail(Status::kBadData, "{}: truncated: expected an STL header of {} bytes, found {}",
            info_.path.string(), kHeaderBytes, info_.bytes);
@@ -130,7 +150,7 @@ class BinaryStl final : public Source {
 
  private:
   void check_size(std::uint64_t count) {
-    const std::uint64_t expected = binary_stl_bytes(count);
+    const std::uint64_t expected = binary_bytes(count);
     if (info_.bytes < expected)
       fail(Status::kBadData,
            "{}: truncated in triangle {}: the header says {} triangles; expected {} bytes, found {}",
@@ -272,24 +292,26 @@ class AsciiStl final : public Source {
   };
 };
 
+// What begins with "solid" and is not of the size of a binary STL. Floats and counts have zeros, and text has
+// none but behind its end.
+bool is_text(const core::File& file) {
+  constexpr std::size_t kLook = 1000;
+  if (has_size_of_binary(file)) return false;
+  const FileStart start = start_of(file);
+  if (!start.first_word.starts_with("solid")) return false;
+  const std::string_view head = std::string_view(start.text).substr(0, kLook);
+  return head.substr(0, head.find_last_not_of('\0') + 1).find('\0') == std::string::npos;
+}
+
 }  // namespace
 
-std::uint64_t binary_stl_count(const core::File& file) {
-  std::array<std::byte, kHeaderBytes> header;
-  if (file.read_some_at(0, header) < kHeaderBytes) return 0;
-  std::uint32_t count;
-  std::memcpy(&count, header.data() + 80, sizeof(count));
-  return count;
-}
-
-std::uint64_t binary_stl_bytes(std::uint64_t triangles) { return kHeaderBytes + triangles * kRowBytes; }
-
-std::unique_ptr<Source> open_binary_stl(core::File file, const SourceOptions& options) {
-  return std::make_unique<BinaryStl>(std::move(file), options);
-}
-
-std::unique_ptr<Source> open_ascii_stl(core::File file, const SourceOptions& options) {
-  return std::make_unique<AsciiStl>(std::move(file), options);
-}
+extern const Format kStlFormat;
+const Format kStlFormat{"STL", ".stl",
+                        [](const FileStart& start) { return has_size_of_binary(start.file); },
+                        [](const FileStart& start) { return start.first_word.starts_with("solid"); },
+                        [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
+                          if (is_text(file)) return std::make_unique<AsciiStl>(std::move(file), options);
+                          return std::make_unique<BinaryStl>(std::move(file), options);
+                        }};
 
 }  // namespace colossus::input
