@@ -57,7 +57,8 @@ ALLOWED = {
     "verify/measure": READ | {"reader/access"},
     "verify/diamonds": READ | {"reader/access", "reader/diamonds", "verify/measure"},
     "verify/blocks": READ | {"reader/access", "reader/blocks", "verify/measure"},
-    "verify": {"reader", "reader/diamonds", "reader/blocks", "verify/measure", "verify/diamonds", "verify/blocks"},
+    "verify": {"core", "reader/access", "reader/diamonds", "reader/blocks", "verify/measure", "verify/diamonds",
+               "verify/blocks"},
     "cli": {"core", "input", "synth", "cluster", "pipeline", "pipeline/facts", "pipeline/run", "reader", "reader/access",
             "reader/diamonds", "reader/blocks", "exporters", "verify", "verify/measure"},
 }

@@ -3,6 +3,7 @@
 #include "core/duration.hpp"
 #include "core/log.hpp"
 #include "pipeline/build.hpp"
+#include "pipeline/schemes.hpp"
 
 namespace colossus::cli {
 namespace {
@@ -38,7 +39,8 @@ void add_build(CLI::App& app, Action& chosen) {
   auto time_limit = std::make_shared<std::string>();
   command->add_option("--time-limit", *time_limit,
                       "Stop in order after this time, e.g. 90s, 45m, 3h50m, 1-02:00:00; then see --resume");
-  command->add_option("--scheme", options->scheme, "diamonds or blocks")->capture_default_str();
+  options->scheme = pipeline::schemes().front()->name;
+  command->add_option("--scheme", options->scheme, pipeline::schemes_text())->capture_default_str();
   command
       ->add_option("--leaf-triangles", options->leaf_triangles,
                    "Most triangles per leaf tetrahedron; of blocks: most on average per cube")

@@ -2,9 +2,9 @@
 #include <unistd.h>
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "cli/commands.hpp"
@@ -14,8 +14,6 @@
 #include "exporters/ply.hpp"
 #include "input/load.hpp"
 #include "pipeline/run/inputs.hpp"
-#include "reader/blocks/extract.hpp"
-#include "reader/diamonds/extract.hpp"
 #include "reader/info.hpp"
 #include "reader/open.hpp"
 #include "verify/verify.hpp"
@@ -23,12 +21,9 @@
 namespace colossus::cli {
 namespace {
 
-// Opens a container of any scheme and calls visit with its statue. What the schemes do differently is
-// overloaded.
-template <typename Visit>
-auto with_statue(const std::string& path, Visit visit) {
+std::unique_ptr<reader::access::StatueFile> open_named(const std::string& path) {
   core::check_input_name(path);
-  return std::visit([&](const auto& statue) { return visit(*statue); }, reader::open(path));
+  return reader::open(path);
 }
 
 constexpr std::uint64_t kMostLevel = std::numeric_limits<std::uint32_t>::max();
@@ -43,8 +38,7 @@ struct VerifyArguments {
 };
 
 int verify_container(const VerifyArguments& arguments) {
-  core::check_input_name(arguments.container);
-  const reader::AnyStatue statue = reader::open(arguments.container);
+  const auto statue = open_named(arguments.container);
   verify::measure::VerifyOptions options;
   options.samples_per_node = arguments.samples;
   input::LoadedMesh input;
@@ -55,7 +49,7 @@ int verify_container(const VerifyArguments& arguments) {
     surface = {input.positions, input.triangles};
     options.against = &surface;
   }
-  const verify::measure::VerifyReport report = verify::verify(statue, options);
+  const verify::measure::VerifyReport report = verify::verify(*statue, options);
   print(verify::measure::to_text(report));
   if (!report.is_ok())
     core::fail(core::Status::kBadData, "{}: verify found {} faults", arguments.container, report.total());
@@ -72,26 +66,22 @@ struct ExtractArguments {
   std::optional<double> kappa;
 };
 
-template <typename Statue>
-auto chosen_cut(const Statue& statue, const ExtractArguments& arguments) {
-  if (arguments.level) return cut_at_level(statue, *arguments.level);
-  if (arguments.error) return cut_with_error(statue, *arguments.error);
-  if (arguments.triangles) return cut_with_triangles(statue, *arguments.triangles);
-  return cut_at_eye(
-      statue, reader::access::Eye{{arguments.eye[0], arguments.eye[1], arguments.eye[2]}, arguments.kappa});
+reader::access::CutRequest request_of(const ExtractArguments& arguments) {
+  using namespace reader::access;
+  if (arguments.level) return AtLevel{*arguments.level};
+  if (arguments.error) return WithError{*arguments.error};
+  if (arguments.triangles) return WithTriangles{*arguments.triangles};
+  return Eye{{arguments.eye[0], arguments.eye[1], arguments.eye[2]}, arguments.kappa};
 }
 
-constexpr const char* name_of_parts(const reader::diamonds::Statue&) { return "tetrahedra"; }
-constexpr const char* name_of_parts(const reader::blocks::CubeStatue&) { return "cubes"; }
-
-template <typename Statue>
-int extract_cut(const Statue& statue, const ExtractArguments& arguments, const core::OutputTarget& target) {
-  const auto cut = chosen_cut(statue, arguments);
+int extract_cut(const ExtractArguments& arguments, const core::OutputTarget& target) {
+  const auto statue = open_named(arguments.container);
+  const reader::access::Extraction cut = statue->extract(request_of(arguments));
   if (!cut.warning.empty()) core::warn("{}", cut.warning);
-  const std::vector<std::uint64_t> parts = parts_by_level(statue, cut);
-  for (std::size_t level = 0; level < parts.size(); ++level)
-    if (parts[level] > 0) core::log("level {}: {} {}", level, parts[level], name_of_parts(statue));
-  const exporters::WrittenPly result = exporters::write_ply(assemble(statue, cut), target);
+  for (std::size_t level = 0; level < cut.parts_by_level.size(); ++level)
+    if (cut.parts_by_level[level] > 0)
+      core::log("level {}: {} {}", level, cut.parts_by_level[level], statue->name_of_parts());
+  const exporters::WrittenPly result = exporters::write_ply(cut.mesh, target);
   core::log("{}: {} vertices, {} triangles{}", arguments.output, result.vertices, result.triangles,
             result.has_doubles ? ", positions as doubles" : "");
   return 0;
@@ -110,10 +100,9 @@ void add_info(CLI::App& app, Action& chosen) {
   command->add_flag("--json", arguments->json, "As JSON");
   command->callback([&chosen, arguments] {
     chosen = [arguments](int&, char**&) {
-      return with_statue(arguments->container, [&](const reader::access::StatueFile& statue) {
-        print(arguments->json ? reader::info_json(statue) : reader::info_text(statue));
-        return 0;
-      });
+      const auto statue = open_named(arguments->container);
+      print(arguments->json ? reader::info_json(*statue) : reader::info_text(*statue));
+      return 0;
     };
   });
 }
@@ -170,8 +159,7 @@ void add_extract(CLI::App& app, Action& chosen) {
       const core::OutputTarget target =
           core::plan_outputs(std::span(&container, 1), std::span(&request, 1)).front();
       if (target.is_same_as(STDOUT_FILENO)) core::keep_log_off_stdout();
-      return with_statue(arguments->container,
-                         [&](const auto& statue) { return extract_cut(statue, *arguments, target); });
+      return extract_cut(*arguments, target);
     };
   });
 }

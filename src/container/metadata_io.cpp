@@ -185,9 +185,6 @@ void read_version(const Blame& blame, hid_t file, Metadata& metadata) {
     if (H5Aexists(file, name) > 0) *value = read_text_attribute(blame, file, "/", name);
   }
   metadata.scheme = read_text_attribute(blame, file, "/", "scheme");
-  if (metadata.scheme != kSchemeDiamonds && metadata.scheme != kSchemeBlocks)
-    core::fail(blame.status, "{}: scheme: expected '{}' or '{}', found '{}'", blame.file, kSchemeDiamonds,
-               kSchemeBlocks, metadata.scheme);
 }
 
 std::vector<NamedReal> read_reals(const Blame& blame, hid_t file, const core::File& bytes,

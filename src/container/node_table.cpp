@@ -11,9 +11,6 @@ namespace {
 
 using core::Status;
 
-// Deeper cubes are not in the schema.
-constexpr int kMaxCubeLevel = 20;
-
 // Calls visit(name, type, count, member) for each field in the order of the file.
 template <typename Row, typename Visit>
 void for_each_field(Row& row, Visit visit) {
@@ -39,29 +36,11 @@ template <typename Found>
   core::fail(Status::kBadData, "{}: row {}: expected {}, found {}", table.place, row, expected, found);
 }
 
-void check_diamond(const Table& table, std::size_t i, const NodeRow& row, const LatticeInfo& lattice) {
-  // Three levels halve the side of the cubes; below a side of two lattice steps no diamond has a centre.
-  const auto max_level = static_cast<std::uint32_t>(3 * lattice.root_bits);
-  if (row.level > max_level) fail_row(table, i, fmt::format("a level of at most {}", max_level), row.level);
+// What holds in every scheme; more is told when a statue of the scheme is opened.
+void check_place(const Table& table, std::size_t i, const NodeRow& row, const LatticeInfo& lattice) {
   const std::int32_t side = std::int32_t{1} << lattice.root_bits;
   for (const std::int32_t c : row.center)
     if (c < 0 || c > side) fail_row(table, i, fmt::format("a centre within 0 and {}", side), c);
-  constexpr int kPlaces[3] = {6, 4, 8};
-  const int places = kPlaces[row.level % 3];
-  if (row.tetra_mask >> places != 0)
-    fail_row(table, i, fmt::format("a mask of {} tetrahedra", places), static_cast<int>(row.tetra_mask));
-}
-
-void check_cube(const Table& table, std::size_t i, const NodeRow& row, const Metadata& metadata) {
-  // A cube of the deepest level has sides of 2^position_bits.
-  const int max_level = std::min(kMaxCubeLevel, metadata.lattice.root_bits - metadata.position_bits);
-  if (std::int64_t{row.level} > max_level)
-    fail_row(table, i, fmt::format("a level of at most {}", max_level), row.level);
-  const std::int32_t side = std::int32_t{1} << (metadata.lattice.root_bits - static_cast<int>(row.level));
-  for (const std::int32_t c : row.center)
-    if (c < 0 || c >> metadata.lattice.root_bits != 0 || c % side != side / 2)
-      fail_row(table, i, fmt::format("a centre of a cube with sides of {}", side), c);
-  if (row.tetra_mask != 1) fail_row(table, i, "a mask of 1", static_cast<int>(row.tetra_mask));
 }
 
 void check_values(const Table& table, std::size_t i, const NodeRow& row) {
@@ -120,10 +99,7 @@ std::vector<NodeRow> decode_rows(const Table& table, const Metadata& metadata) {
     for_each_field(row, [&](const char*, FieldType, std::uint32_t, auto& value) {
       std::memcpy(&value, table.at(i, *fields[f++]), sizeof(value));
     });
-    if (metadata.scheme == kSchemeBlocks)
-      check_cube(table, i, row, metadata);
-    else
-      check_diamond(table, i, row, metadata.lattice);
+    check_place(table, i, row, metadata.lattice);
     check_values(table, i, row);
     check_chunk(table, i, row);
     if (row.chunk_index != next_chunk[row.capacity_class]++)

@@ -18,8 +18,6 @@ inline constexpr std::uint32_t kSchemaMinor = 2;
 
 inline constexpr const char* kFormatName = "colossus";
 inline constexpr const char* kProducerName = "colossus";
-inline constexpr const char* kSchemeDiamonds = "diamonds";
-inline constexpr const char* kSchemeBlocks = "blocks";
 
 inline constexpr std::uint8_t kNodeIsLeaf = 1;  // NodeRow::flags: no node below this one
 inline constexpr std::uint8_t kNodeIsAboveLimit =
@@ -95,7 +93,7 @@ struct Metadata {
   // Likewise; empty in containers from before schema 1.2, which did not say it.
   std::string producer = kProducerName;
   std::string producer_version = core::release_version();
-  std::string scheme = kSchemeDiamonds;
+  std::string scheme;  // whose node table and chunks these are; the tables of schemes say which there are
   LatticeInfo lattice;
   int position_bits = 12;  // 8 .. 16; of the weights of diamonds, of a side of the deepest cubes of blocks
   bool has_normals = false;

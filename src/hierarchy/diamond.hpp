@@ -17,6 +17,9 @@
 
 namespace colossus::hierarchy {
 
+// The scheme whose nodes are diamonds, in containers and options.
+inline constexpr const char* kDiamonds = "diamonds";
+
 using geometry::Plane;
 using geometry::Point;
 

@@ -14,6 +14,9 @@
 
 namespace colossus::hierarchy {
 
+// The scheme whose nodes are cubes, and whose tasks are blocks of these, in containers and options.
+inline constexpr const char* kBlocks = "blocks";
+
 // The container's lattice still has to tell a cube's centre from its corners, and positions from each other.
 inline constexpr int kMaxCubeLevel = 20;
 inline constexpr int kLeastBlockSize = 4;

@@ -195,8 +195,10 @@ BuildReport build_with(const cluster::Communicator& ranks, const facts::BuildOpt
 
 }  // namespace
 
-BuildReport build(const cluster::Communicator& ranks, const facts::BuildOptions& options) {
-  check_options(ranks, options);
+BuildReport build(const cluster::Communicator& ranks, const facts::BuildOptions& asked) {
+  check_options(ranks, asked);
+  facts::BuildOptions options = asked;
+  options.scheme = scheme_named(asked.scheme).name;
   const run::Outputs outputs = run::plan_outputs(ranks, options);
   core::log("colossus {} build, {} ranks, leaf triangles {}", core::release_version(), ranks.size(),
             options.leaf_triangles);

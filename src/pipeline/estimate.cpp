@@ -8,8 +8,8 @@
 
 #include "core/log.hpp"
 #include "core/place.hpp"
-#include "pipeline/blocks/scheme.hpp"
 #include "pipeline/run/memory.hpp"
+#include "pipeline/schemes.hpp"
 #include "scratch/directory.hpp"
 
 namespace colossus::pipeline {
@@ -31,11 +31,9 @@ class Estimator {
             const ingest::Occupancy& occupancy)
       : options_(options),
         catalog_(catalog),
-        occupancy_(occupancy),
-        is_blocks_(options.scheme == container::kSchemeBlocks),
+        needs_(scheme_named(options.scheme).estimate(options, catalog, occupancy)),
         triangles_(static_cast<double>(catalog.counts.triangles)),
         vertices_(static_cast<double>(catalog.counts.vertices)),
-        leaf_(static_cast<double>(options.leaf_triangles)),
         far_share_(far_share(static_cast<double>(catalog.block_vertices) / triangles_)) {}
 
   run::BuildEstimate run(std::uint64_t resident_bytes) const {
@@ -47,8 +45,6 @@ class Estimator {
   }
 
  private:
-  double leaves() const { return std::max(triangles_ / leaf_, 1.0); }
-
   // A group of triangles as join_vertices() takes them, and how many vertices one has, when shuffled.
   double group() const { return std::clamp(triangles_ / 64, 131072.0, 524288.0); }
   double far_vertices_per_triangle() const {
@@ -63,23 +59,7 @@ class Estimator {
     const double range =
         43.0 * std::clamp(std::exp2(std::ceil(std::log2(vertices_ / 64 + 1))), 131072.0, 1048576.0);
     const double groups = far_share_ * 150.0 * std::min(group(), triangles_);
-    double nodes = 1700.0 * std::min(leaf_, triangles_);
-    if (is_blocks_) nodes = 330.0 * block_triangles();
-    return std::max({buckets, range, groups, nodes});
-  }
-
-  // The deepest one of blocks.
-  int level() const {
-    int level = 0;
-    while (level < geometry::kRootBits && triangles_ > leaf_ * occupancy_.cubes_at(level)) ++level;
-    return options_.levels.value_or(level);
-  }
-
-  // Of the largest block of the deepest level.
-  double block_triangles() const {
-    const double most =
-        occupancy_.most_in_block(level(), options_.block_size.value_or(blocks::kDefaultBlockSize));
-    return most / std::max(vertices_, 1.0) * triangles_;
+    return std::max({buckets, range, groups, needs_.task_bytes});
   }
 
   // At the end of the phases that hold most.
@@ -98,26 +78,8 @@ class Estimator {
     const double cut = polygons > 0.0 ? group_triangles : 0.0;
     const double answers = (4.0 + vertex_bytes) * answered;
     const double pieces = (8.0 + vertex_bytes) * in_pieces + 6.0;
-    const double samples = (is_blocks_ ? 14e3 : 82e3) / leaf_;
-    const double few_nodes = is_blocks_ ? 0.0 : std::min(2.2e6 / triangles_, 23.0);
-    const double kept = is_blocks_ ? 0.0 : 0.7 * output() / triangles_;
-    const double levels = (is_blocks_ ? 48.0 : 57.0) + samples + few_nodes + kept;
+    const double levels = needs_.scratch_bytes + needs_.kept_output * output() / triangles_;
     return triangles_ * std::max({survey + requests + answers, requests + answers + cut + pieces, levels});
-  }
-
-  // All triangles of all nodes, per triangle of the input. A few tetrahedra have many coarse nodes above
-  // them.
-  double stored_triangles() const {
-    if (is_blocks_) return 4.0 / 3.0;
-    static constexpr std::array<std::pair<double, double>, 6> kMeasured{
-        {{1, 1.2}, {6, 2.0}, {8, 3.9}, {16, 3.7}, {50, 2.9}, {250, 2.6}}};
-    const double at = leaves();
-    for (std::size_t i = 1; i < kMeasured.size(); ++i) {
-      const auto [begin, low] = kMeasured[i - 1];
-      const auto [end, high] = kMeasured[i];
-      if (at < end) return low + (high - low) * std::log(at / begin) / std::log(end / begin);
-    }
-    return 2.5;
   }
 
   // Per triangle of a node. Larger meshes have fewer vertices on borders, which several nodes store.
@@ -134,20 +96,17 @@ class Estimator {
                                     [&](const CodecBytes& c) { return c.codec == options_.codec; });
     const CodecBytes& c = found == kMeasured.end() ? kMeasured[1] : *found;
     const int bits = options_.position_bits - 12;
-    const double triangles = is_blocks_ ? triangles_ / occupancy_.cubes_at(level()) : leaf_;
     return c.triangle + (bits > 0 ? c.finer : c.coarser) * bits - (catalog_.has_colors ? 0.0 : c.color) +
-           (is_blocks_ ? 0.2 : 0.0) + 45.0 / std::sqrt(std::min(triangles, triangles_));
+           needs_.more_bytes + 45.0 / std::sqrt(std::min(needs_.node_triangles, triangles_));
   }
 
-  double output() const { return 10000.0 + triangles_ * stored_triangles() * stored_bytes(); }
+  double output() const { return 10000.0 + triangles_ * needs_.stored_triangles * stored_bytes(); }
 
   const facts::BuildOptions& options_;
   const facts::Catalog& catalog_;
-  const ingest::Occupancy& occupancy_;
-  bool is_blocks_;
+  nodes::NodeNeeds needs_;
   double triangles_;
   double vertices_;
-  double leaf_;
   double far_share_;
 };
 

@@ -1,17 +1,22 @@
-// The table of all schemes.
+// All schemes.
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "pipeline/nodes/scheme.hpp"
 
 namespace colossus::pipeline {
 
-// All of them, the default one first.
-std::span<const nodes::Scheme> schemes();
+// The default one first. A new one is a folder beside pipeline/diamonds, and a line in schemes.cpp.
+std::span<const nodes::Scheme* const> schemes();
 
-// Throws Error(kUsage) that lists the schemes when there is none of this name.
+// The default one for an empty name. Throws Error(kUsage) that lists the schemes when there is none of this
+// name.
 const nodes::Scheme& scheme_named(std::string_view name);
+
+// "diamonds: ...; blocks: ...", for --help.
+std::string schemes_text();
 
 }  // namespace colossus::pipeline

@@ -1,19 +1,26 @@
-// Opens a container of any scheme: the one place that looks at which it is.
+// Opens a container of any scheme.
 #pragma once
 
 #include <filesystem>
 #include <memory>
-#include <variant>
+#include <span>
 
-#include "reader/blocks/statue.hpp"
-#include "reader/diamonds/statue.hpp"
+#include "reader/access/statue_file.hpp"
 
 namespace colossus::reader {
 
-// Never empty. cut_at_level(), assemble(), verify() and so on are overloaded for both: use std::visit.
-using AnyStatue = std::variant<std::unique_ptr<diamonds::Statue>, std::unique_ptr<blocks::CubeStatue>>;
+// What the reader knows of a scheme.
+struct Scheme {
+  const char* name;
+  std::unique_ptr<access::StatueFile> (*open)(container::ContainerReader container,
+                                              const access::StatueOptions& options);
+};
 
-// Throws Error(kBadData) like their constructors, and for an unknown scheme.
-AnyStatue open(const std::filesystem::path& path, const access::StatueOptions& options = {});
+// All of them. A new one is a folder beside reader/diamonds, and a line in schemes.cpp.
+std::span<const Scheme> schemes();
+
+// Never empty. Throws Error(kBadData) like the statues' constructors, and for an unknown scheme.
+std::unique_ptr<access::StatueFile> open(const std::filesystem::path& path,
+                                         const access::StatueOptions& options = {});
 
 }  // namespace colossus::reader

@@ -1,21 +1,18 @@
 #include "verify/verify.hpp"
 
-#include "verify/blocks/verify.hpp"
-#include "verify/diamonds/verify.hpp"
+#include <algorithm>
+
+#include "core/error.hpp"
 
 namespace colossus::verify {
 
-measure::VerifyReport verify(const reader::AnyStatue& statue, const measure::VerifyOptions& options) {
-  struct Visit {
-    const measure::VerifyOptions& options;
-    measure::VerifyReport operator()(const std::unique_ptr<reader::diamonds::Statue>& s) const {
-      return diamonds::verify(*s, options);
-    }
-    measure::VerifyReport operator()(const std::unique_ptr<reader::blocks::CubeStatue>& s) const {
-      return blocks::verify(*s, options);
-    }
-  };
-  return std::visit(Visit{options}, statue);
+measure::VerifyReport verify(const reader::access::StatueFile& statue,
+                             const measure::VerifyOptions& options) {
+  const auto all = schemes();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const Scheme& s) { return s.name == statue.metadata().scheme; });
+  COLOSSUS_CHECK(found != all.end(), "a scheme that can be opened cannot be verified");
+  return found->verify(statue, options);
 }
 
 }  // namespace colossus::verify

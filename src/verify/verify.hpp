@@ -1,12 +1,25 @@
 // Checks a container of any scheme.
 #pragma once
 
-#include "reader/open.hpp"
+#include <span>
+
+#include "reader/access/statue_file.hpp"
 #include "verify/measure/report.hpp"
 
 namespace colossus::verify {
 
-// As verify() of the statue's scheme, see verify/diamonds and verify/blocks.
-measure::VerifyReport verify(const reader::AnyStatue& statue, const measure::VerifyOptions& options);
+// What verification knows of a scheme.
+struct Scheme {
+  const char* name;
+  // Of a statue of this scheme: verify() of verify/diamonds and verify/blocks say what is checked.
+  measure::VerifyReport (*verify)(const reader::access::StatueFile& statue,
+                                  const measure::VerifyOptions& options);
+};
+
+// All of them. A new one is a folder beside verify/diamonds, and a line in schemes.cpp.
+std::span<const Scheme> schemes();
+
+// By the statue's scheme, which must be one of these.
+measure::VerifyReport verify(const reader::access::StatueFile& statue, const measure::VerifyOptions& options);
 
 }  // namespace colossus::verify

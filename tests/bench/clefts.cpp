@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   pipeline::facts::BuildOptions options;
   options.inputs = {argv[2]};
   options.output = argv[3];
-  options.scheme = container::kSchemeBlocks;
+  options.scheme = hierarchy::kBlocks;
   options.has_shifted_blocks = shift == "shifted";
   if (argc == 5) options.leaf_triangles = std::strtoull(argv[4], nullptr, 10);
   return cluster::run_ranks(argc, argv, [&](cluster::Communicator& ranks) {

@@ -157,7 +157,7 @@ TEST_F(Copies, SurviveH5copyIntoAGroup) {
   expect_same_content(copy_, sample_);
   EXPECT_FALSE(ContainerReader(copy_).offsets_hold());
   // Messages name the place.
-  edit_row(copy_, 5, test::kMaskAt, std::uint8_t{0x40}, "/statue/nodes");
+  edit_row(copy_, 5, test::kCenterAt, std::int32_t{-1}, "/statue/nodes");
   expect_refused({"/statue/nodes: row 5"});
 }
 

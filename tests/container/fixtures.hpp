@@ -58,6 +58,7 @@ struct Sample {
 inline Sample make_sample(std::size_t node_count) {
   Sample sample;
   Metadata& m = sample.metadata;
+  m.scheme = "diamonds";
   m.lattice = {{-1.5, 2e5, 0.25}, 0.0078125, 20};
   m.position_bits = 12;
   m.has_normals = true;
@@ -95,7 +96,7 @@ inline Sample make_sample(std::size_t node_count) {
 // The root cube of a lattice of 2^14, and its eight children of sides of 2^13.
 inline Sample make_blocks_sample() {
   Sample sample = make_sample(9);
-  sample.metadata.scheme = kSchemeBlocks;
+  sample.metadata.scheme = "blocks";
   sample.metadata.lattice.root_bits = 14;
   sample.metadata.position_bits = 13;
   for (std::size_t i = 0; i < 9; ++i) {

@@ -119,31 +119,6 @@ TEST_F(Foreign, RefusesAParameterThatIsNoNumber) {
       << caught.message;
 }
 
-TEST_F(Foreign, RefusesAnUnknownScheme) {
-  edit_file(path_, [&](hid_t file) {
-    const hid_t attribute = H5Aopen(file, "scheme", H5P_DEFAULT);
-    const hid_t type = H5Aget_type(attribute);
-    ASSERT_GE(H5Awrite(attribute, type, "diamants"), 0);
-    H5Tclose(type);
-    H5Aclose(attribute);
-  });
-  expect_refused(path_, {"scheme", "'diamonds' or 'blocks'", "'diamants'"});
-}
-
-TEST_F(Foreign, RefusesCubesThatCannotBe) {
-  const auto refuse = [&](std::size_t at, auto value, const std::string& expected) {
-    write_sample(test::make_blocks_sample(), path_);
-    edit_row(path_, 8, at, value);
-    expect_refused(path_, {"/nodes: row 8", expected, "found"});
-  };
-  refuse(kLevelAt, std::uint32_t{2}, "a level of at most 1");
-  refuse(kLevelAt, ~std::uint32_t{0}, "a level of at most 1");
-  refuse(kCenterAt + 8, std::int32_t{(3 << 12) + 1}, "a centre of a cube with sides of 8192");
-  refuse(kCenterAt, std::int32_t{5 << 12}, "a centre of a cube");
-  refuse(kCenterAt + 4, std::int32_t{-(1 << 12)}, "a centre of a cube");
-  refuse(kMaskAt, std::uint8_t{3}, "a mask of 1");
-}
-
 TEST_F(Foreign, RefusesMissingParts) {
   for (const std::string name : {"nodes", "options", "inputs", "counts", "lattice", "chunks"}) {
     write_sample(make_sample(100), path_);
@@ -206,10 +181,8 @@ TEST_F(Foreign, RefusesRowsThatCannotBe) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Case cases[] = {
-      {[&] { edit_row(path_, 5, kLevelAt, std::uint32_t{61}); }, "a level of at most 60"},
       {[&] { edit_row(path_, 5, kCenterAt, std::int32_t{-1}); }, "a centre within 0 and 1048576"},
       {[&] { edit_row(path_, 5, kCenterAt + 8, std::int32_t{0}); }, "ordered by level and centre"},
-      {[&] { edit_row(path_, 5, kMaskAt, std::uint8_t{0x40}); }, "a mask of 6 tetrahedra"},
       {[&] { edit_row(path_, 5, kErrorAt, nan); }, "an error of 0 or more"},
       {[&] { edit_row(path_, 5, kErrorAt, -1.0); }, "an error of 0 or more"},
       {[&] { edit_row(path_, 5, kBoundsAt, nan); }, "finite bounds"},

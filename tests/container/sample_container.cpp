@@ -159,13 +159,14 @@ int main(int argc, char** argv) {
   if (argc != 4) return 2;
   const codec::Codec& codec = codec::codec_named(argv[3]);
   container::Metadata metadata;
+  metadata.scheme = "diamonds";
   metadata.lattice = {{10, -20, 0.5}, 0.25, kRootBits};
   metadata.position_bits = kBits;
   metadata.has_normals = true;
   metadata.has_colors = true;
   const bool is_blocks = std::string(argv[2]) == "blocks";
   if (is_blocks) {
-    metadata.scheme = container::kSchemeBlocks;
+    metadata.scheme = "blocks";
     metadata.lattice.root_bits = 9;
     metadata.position_bits = 8;
     metadata.parameters = {{"sigma0", 0.25}, {"block_size", 4}};

@@ -61,7 +61,7 @@ BlocksFixture::BlocksFixture(const WorldMesh& mesh, int deepest, double sigma0, 
   std::filesystem::create_directories(folder_);
   path_ = folder_ / "statue.h5";
   const int root_bits = deepest + position_bits;
-  metadata.scheme = container::kSchemeBlocks;
+  metadata.scheme = hierarchy::kBlocks;
   metadata.lattice = {kOrigin, std::ldexp(root_side, -root_bits), root_bits};
   for (double& origin : metadata.lattice.origin) origin *= root_side / kRootSide;
   metadata.position_bits = position_bits;

@@ -9,8 +9,35 @@
 #include "pipeline/run/phase.hpp"
 
 namespace colossus::pipeline::blocks {
+namespace {
 
-void check_blocks(const facts::BuildOptions& options) {
+// The deepest level.
+int deepest_level(const facts::BuildOptions& options, const facts::Catalog& catalog,
+                  const ingest::Occupancy& occupancy) {
+  const auto triangles = static_cast<double>(catalog.counts.triangles);
+  int level = 0;
+  while (level < geometry::kRootBits &&
+         triangles > static_cast<double>(options.leaf_triangles) * occupancy.cubes_at(level))
+    ++level;
+  return options.levels.value_or(level);
+}
+
+nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catalog& catalog,
+                          const ingest::Occupancy& occupancy) {
+  const auto triangles = static_cast<double>(catalog.counts.triangles);
+  const auto vertices = static_cast<double>(catalog.counts.vertices);
+  const int level = deepest_level(options, catalog, occupancy);
+  const double most = occupancy.most_in_block(level, options.block_size.value_or(kDefaultBlockSize));
+  nodes::NodeNeeds needs;
+  needs.task_bytes = 330.0 * most / std::max(vertices, 1.0) * triangles;
+  needs.stored_triangles = 4.0 / 3.0;
+  needs.node_triangles = triangles / occupancy.cubes_at(level);
+  needs.more_bytes = 0.2;  // the map to the parents
+  needs.scratch_bytes = 48.0 + 14e3 / static_cast<double>(options.leaf_triangles);
+  return needs;
+}
+
+void check(const facts::BuildOptions& options) {
   using core::Status;
   if (options.position_bits < codec::coded::kMinPositionBits ||
       options.position_bits > codec::coded::kMaxPositionBits)
@@ -29,8 +56,8 @@ void check_blocks(const facts::BuildOptions& options) {
                options.color_weight);
 }
 
-facts::Hierarchy build_blocks(const run::Workspace& workspace, facts::Catalog& catalog,
-                              std::vector<ingest::TriangleGroup>&& groups) {
+facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,
+                       std::vector<ingest::TriangleGroup>&& groups) {
   const Grid grid = choose_grid(workspace, catalog, groups);
   core::log("grid: {} levels of cubes, positions rounded to {}", grid.levels,
             catalog.lattice.step * grid.spacing());
@@ -67,5 +94,10 @@ facts::Hierarchy build_blocks(const run::Workspace& workspace, facts::Catalog& c
     hierarchy.options.push_back({"color_weight", fmt::format("{}", settings.color_weight)});
   return hierarchy;
 }
+
+}  // namespace
+
+const nodes::Scheme kScheme{hierarchy::kBlocks, "uncut triangles, continuous morphing, painted models",
+                            &check, &estimate, &build};
 
 }  // namespace colossus::pipeline::blocks

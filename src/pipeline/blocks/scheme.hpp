@@ -12,8 +12,6 @@ inline constexpr int kDefaultBlockSize = 4;
 // is interpolation band.
 inline constexpr double kGreatestSigma = 0.3;
 
-void check_blocks(const facts::BuildOptions& options);
-facts::Hierarchy build_blocks(const run::Workspace& workspace, facts::Catalog& catalog,
-                              std::vector<ingest::TriangleGroup>&& groups);
+extern const nodes::Scheme kScheme;
 
 }  // namespace colossus::pipeline::blocks

@@ -1,6 +1,7 @@
 #include "pipeline/diamonds/scheme.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/log.hpp"
@@ -80,9 +81,33 @@ void log_partition(const cluster::Communicator& ranks, const facts::Catalog& cat
             partition.leaves.size(), peak >> 20);
 }
 
-}  // namespace
+// All triangles of all nodes, per triangle of the input. A few tetrahedra have many coarse nodes above them.
+double stored_triangles(double leaves) {
+  static constexpr std::array<std::pair<double, double>, 6> kMeasured{
+      {{1, 1.2}, {6, 2.0}, {8, 3.9}, {16, 3.7}, {50, 2.9}, {250, 2.6}}};
+  for (std::size_t i = 1; i < kMeasured.size(); ++i) {
+    const auto [begin, low] = kMeasured[i - 1];
+    const auto [end, high] = kMeasured[i];
+    if (leaves < end) return low + (high - low) * std::log(leaves / begin) / std::log(end / begin);
+  }
+  return 2.5;
+}
 
-void check_diamonds(const facts::BuildOptions& options) {
+nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catalog& catalog,
+                          const ingest::Occupancy&) {
+  const auto triangles = static_cast<double>(catalog.counts.triangles);
+  const auto leaf = static_cast<double>(options.leaf_triangles);
+  nodes::NodeNeeds needs;
+  needs.task_bytes = 1700.0 * std::min(leaf, triangles);
+  needs.stored_triangles = stored_triangles(std::max(triangles / leaf, 1.0));
+  needs.node_triangles = leaf;
+  // The levels' meshes, their samples, and what few nodes have more of.
+  needs.scratch_bytes = 57.0 + 82e3 / leaf + std::min(2.2e6 / triangles, 23.0);
+  needs.kept_output = 0.7;
+  return needs;
+}
+
+void check(const facts::BuildOptions& options) {
   if (options.position_bits < codec::coded::kMinPositionBits ||
       options.position_bits > codec::coded::kMaxPositionBits)
     core::fail(core::Status::kUsage, "--position-bits {} is out of range; choose {} to {}",
@@ -94,8 +119,8 @@ void check_diamonds(const facts::BuildOptions& options) {
     core::fail(core::Status::kUsage, "--color-weight is an option of --scheme blocks only");
 }
 
-facts::Hierarchy build_diamonds(const run::Workspace& workspace, facts::Catalog& catalog,
-                                std::vector<ingest::TriangleGroup>&& groups) {
+facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,
+                       std::vector<ingest::TriangleGroup>&& groups) {
   const cluster::Communicator& ranks = workspace.ranks;
   const Partition leaves = partition(workspace, catalog, std::move(groups));
   log_partition(ranks, catalog, leaves);
@@ -113,5 +138,10 @@ facts::Hierarchy build_diamonds(const run::Workspace& workspace, facts::Catalog&
   settings.floor_triangles = floor_triangles(workspace.options);
   return build_levels(workspace, settings, leaves, catalog);
 }
+
+}  // namespace
+
+const nodes::Scheme kScheme{hierarchy::kDiamonds, "cut triangles, the smallest error, cuts of any shape",
+                            &check, &estimate, &build};
 
 }  // namespace colossus::pipeline::diamonds

@@ -1,12 +1,11 @@
-// The diamonds scheme: triangles cut into tetrahedra, simplified diamond by diamond (paper 004).
+// The diamonds scheme: triangles cut into the tetrahedra of a hierarchy of diamonds (Balsa Rodriguez et al.
+// 2013).
 #pragma once
 
 #include "pipeline/nodes/scheme.hpp"
 
 namespace colossus::pipeline::diamonds {
 
-void check_diamonds(const facts::BuildOptions& options);
-facts::Hierarchy build_diamonds(const run::Workspace& workspace, facts::Catalog& catalog,
-                                std::vector<ingest::TriangleGroup>&& groups);
+extern const nodes::Scheme kScheme;
 
 }  // namespace colossus::pipeline::diamonds

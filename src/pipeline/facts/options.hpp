@@ -9,7 +9,6 @@
 
 #include "codec/codec.hpp"
 #include "codec/coded/node_mesh.hpp"
-#include "container/schema.hpp"
 
 namespace colossus::pipeline::facts {
 
@@ -19,7 +18,7 @@ struct BuildOptions {
   std::optional<std::filesystem::path> scratch;  // else <output>.scratch
   bool resume = false;               // continue what an interrupted build has left in scratch, if anything
   std::optional<double> time_limit;  // seconds since the start of the program, after which the build stops
-  std::string scheme = container::kSchemeDiamonds;
+  std::string scheme;                // empty: the first in pipeline/schemes.cpp
   std::uint64_t leaf_triangles = 8000;  // per tetrahedron, after clipping; on average per cube
   int position_bits = codec::coded::kDefaultPositionBits;
   std::optional<double> tolerance;  // world units; chooses position_bits

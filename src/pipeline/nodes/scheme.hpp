@@ -8,14 +8,29 @@
 #include "pipeline/facts/catalog.hpp"
 #include "pipeline/facts/finished_nodes.hpp"
 #include "pipeline/ingest/join.hpp"
+#include "pipeline/ingest/occupancy.hpp"
 #include "pipeline/run/workspace.hpp"
 
 namespace colossus::pipeline::nodes {
 
+// What the nodes of a scheme will need; its constants were measured, see src/README.md.
+struct NodeNeeds {
+  double task_bytes = 0.0;        // of memory, for the largest task
+  double stored_triangles = 0.0;  // of all nodes, per triangle of the input
+  double node_triangles = 0.0;    // of a node of the finest level: borders are stored by several nodes
+  double more_bytes = 0.0;        // per stored triangle, beside what the codec says of a mesh
+  double scratch_bytes = 0.0;     // of the levels while they are made, per triangle of the input
+  double kept_output = 0.0;       // the share of the output that lies in scratch meanwhile
+};
+
 struct Scheme {
   const char* name;
+  const char* description;  // one line, for --help
   // Throws Error(kUsage) for options that make no sense for it. Not collective.
   void (*check)(const facts::BuildOptions& options);
+  // From the counts of the survey. Not collective.
+  NodeNeeds (*estimate)(const facts::BuildOptions& options, const facts::Catalog& catalog,
+                        const ingest::Occupancy& occupancy);
   // Collective. From groups of triangles with vertices on the lattice to finished nodes, all in scratch;
   // completes the catalogue's counts and area.
   facts::Hierarchy (*build)(const run::Workspace& workspace, facts::Catalog& catalog,

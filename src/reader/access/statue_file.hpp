@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "container/reader.hpp"
+#include "reader/access/extraction.hpp"
 
 namespace colossus::reader::access {
 
@@ -41,6 +42,10 @@ class StatueFile {
 
   // The largest distance, in world units, between a vertex of the input and its place on the lattice.
   virtual double lattice_error() const = 0;
+  // Cuts and assembles, as the scheme's own functions do, which say more; throws like them.
+  virtual Extraction extract(const CutRequest& request) const = 0;
+  // What a cut consists of, for people: "cubes".
+  virtual std::string_view name_of_parts() const = 0;
   // What the metadata's position bits are bits of, for people.
   virtual std::string_view position_bits_meaning() const = 0;
 

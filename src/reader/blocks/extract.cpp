@@ -118,4 +118,8 @@ access::CutMesh assemble(const CubeStatue& statue, const CubeCut& cut) {
   return mesh;
 }
 
+access::Extraction CubeStatue::extract(const access::CutRequest& request) const {
+  return access::extract_cut(*this, request);
+}
+
 }  // namespace colossus::reader::blocks

@@ -33,7 +33,7 @@ CubeStatue::CubeStatue(const std::filesystem::path& path, const access::StatueOp
     : CubeStatue(container::ContainerReader(path), options) {}
 
 CubeStatue::CubeStatue(container::ContainerReader container, const access::StatueOptions& options)
-    : access::StatueFile(std::move(container), container::kSchemeBlocks), cache_(options.cache_bytes) {
+    : access::StatueFile(std::move(container), hierarchy::kBlocks), cache_(options.cache_bytes) {
   const std::string file = this->container().path().string();
   sigma0_ = parameter(*this, "sigma0");
   if (!(sigma0_ > 0.0) || !(sigma0_ <= 1.0))
@@ -45,8 +45,16 @@ CubeStatue::CubeStatue(container::ContainerReader container, const access::Statu
     core::fail(Status::kBadData, "{}: block_size: expected a multiple of 4 from {} to {}, found {}", file,
                hierarchy::kLeastBlockSize, hierarchy::kGreatestBlockSize, size);
   block_size_ = static_cast<int>(size);
-  for (access::RowIndex row = 0; row < rows().size(); ++row)
+  // A cube of the deepest level has sides of 2^position_bits.
+  const int most_level = std::min(hierarchy::kMaxCubeLevel, root_bits() - metadata().position_bits);
+  for (access::RowIndex row = 0; row < rows().size(); ++row) {
+    const NodeRow& node = rows()[row];
+    if (std::int64_t{node.level} > most_level)
+      fail_node(row, fmt::format("expected a level of at most {}", most_level));
     if (!cube(row).is_inside_root()) fail_node(row, "the centre is no cube's centre of this level");
+    if (node.tetra_mask != 1)
+      fail_node(row, fmt::format("expected a mask of 1, found {}", static_cast<int>(node.tetra_mask)));
+  }
 }
 
 CubeId CubeStatue::cube(access::RowIndex row) const {

@@ -33,6 +33,8 @@ class CubeStatue final : public access::StatueFile {
   explicit CubeStatue(const std::filesystem::path& path, const access::StatueOptions& options = {});
   explicit CubeStatue(container::ContainerReader container, const access::StatueOptions& options = {});
 
+  access::Extraction extract(const access::CutRequest& request) const override;
+  std::string_view name_of_parts() const override { return "cubes"; }
   double lattice_error() const override { return std::sqrt(3.0) / 2.0 * metadata().lattice.step; }
   std::string_view position_bits_meaning() const override { return "bits per side of the finest cubes"; }
 

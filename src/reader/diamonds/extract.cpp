@@ -76,4 +76,8 @@ access::CutMesh assemble(const Statue& statue, const Cut& cut) {
   return mesh;
 }
 
+access::Extraction Statue::extract(const access::CutRequest& request) const {
+  return access::extract_cut(*this, request);
+}
+
 }  // namespace colossus::reader::diamonds

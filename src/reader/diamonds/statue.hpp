@@ -49,6 +49,8 @@ class Statue final : public access::StatueFile {
   explicit Statue(container::ContainerReader container, const access::StatueOptions& options = {});
 
   const geometry::Lattice& lattice() const { return lattice_; }
+  access::Extraction extract(const access::CutRequest& request) const override;
+  std::string_view name_of_parts() const override { return "tetrahedra"; }
   double lattice_error() const override { return lattice_.input_error(); }
   std::string_view position_bits_meaning() const override { return "bits per weight"; }
 
