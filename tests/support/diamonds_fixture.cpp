@@ -167,6 +167,7 @@ StatueFixture::StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, 
   geometry::Bounds bounds;
   for (const verify::measure::WorldPoint& p : mesh.points) bounds.add(p);
   lattice_ = lattice ? *lattice : geometry::Lattice::fit(bounds);
+  metadata.scheme = hierarchy::kDiamonds;
   metadata.lattice = {lattice_.origin, lattice_.step, geometry::kRootBits};
   metadata.position_bits = position_bits;
   metadata.has_normals = true;
