@@ -59,14 +59,15 @@ TEST(BlocksStatue, RefusesWhatTheSchemeNeeds) {
   EXPECT_FALSE(fails([](BlocksFixture&) {}));
   // Rows that are no cubes of the scheme.
   const auto last = [](BlocksFixture& f) -> container::NodeRow& {
-    f.nodes.rbegin()->second.keeps_row = true;
-    return f.nodes.rbegin()->second.row;
+    FixtureCube& cube = f.nodes.rbegin()->second;
+    cube.row = f.open()->rows().back();
+    cube.keeps_row = true;
+    return cube.row;
   };
   EXPECT_FALSE(fails([&](BlocksFixture& f) { last(f); }));
   EXPECT_TRUE(fails([&](BlocksFixture& f) { last(f).tetra_mask = 3; }));
-  EXPECT_TRUE(fails([&](BlocksFixture& f) { last(f).level = 4; }));
-  EXPECT_TRUE(fails([&](BlocksFixture& f) { last(f).level = ~std::uint32_t{0}; }));
-  EXPECT_TRUE(fails([&](BlocksFixture& f) { ++last(f).center[2]; }));
+  // The deepest cubes would have sides that these bits do not reach.
+  EXPECT_TRUE(fails([&](BlocksFixture& f) { ++f.metadata.position_bits; }));
 }
 
 TEST(BlocksStatue, RefusesNodesThatAreNotWhatTheContainerSays) {
