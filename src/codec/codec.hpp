@@ -1,5 +1,5 @@
-// The table of codecs: the one place that knows all of them. A payload begins with its codec's id and
-// version; schemas/container.md describes the bytes.
+// The table of codecs: the one place that knows all of them, and whatever differs between them. A payload
+// begins with its codec's id and version; schemas/container.md describes the bytes.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,22 @@
 
 namespace colossus::codec {
 
+// What a codec's payloads take in a container, in bytes per triangle of a large node: measured on statues, so
+// that a build can be estimated.
+struct MeasuredBytes {
+  double triangle = 0.0;     // with colours and positions of 12 bits
+  double finer_bit = 0.0;    // more for each bit beyond these
+  double coarser_bit = 0.0;  // less for each bit short of them
+  double color = 0.0;        // less without colours
+};
+
 struct Codec {
   const char* name;
   std::uint8_t id;
   std::uint8_t version;
   // At which a container's frame around the payload is compressed: fast where the bytes are small already.
   int zstd_level;
+  MeasuredBytes measured;  // nothing where the version is only read
   // Puts triangles, and with them vertices by first use, into the order that encode() wants; corners keep
   // their cyclic order. Deterministic; a second time it changes nothing where encode() wants more than first
   // use.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "codec/codec.hpp"
 #include "core/log.hpp"
 #include "core/place.hpp"
 #include "pipeline/run/memory.hpp"
@@ -84,19 +85,10 @@ class Estimator {
 
   // Per triangle of a node. Larger meshes have fewer vertices on borders, which several nodes store.
   double stored_bytes() const {
-    struct CodecBytes {
-      const char* codec;
-      double triangle;        // with colours, at 12 bits
-      double finer, coarser;  // per bit more or less
-      double color;
-    };
-    static constexpr std::array<CodecBytes, 3> kMeasured{
-        {{"predict", 1.45, 0.17, 0.09, 0.65}, {"zstd", 6.3, 0.33, 0.27, 1.3}, {"paper", 3.8, 0.2, 0.2, 1.0}}};
-    const auto found = std::find_if(kMeasured.begin(), kMeasured.end(),
-                                    [&](const CodecBytes& c) { return c.codec == options_.codec; });
-    const CodecBytes& c = found == kMeasured.end() ? kMeasured[1] : *found;
+    const codec::MeasuredBytes& bytes = codec::codec_named(options_.codec).measured;
     const int bits = options_.position_bits - 12;
-    return c.triangle + (bits > 0 ? c.finer : c.coarser) * bits - (catalog_.has_colors ? 0.0 : c.color) +
+    const double colors = catalog_.has_colors ? 0.0 : bytes.color;
+    return bytes.triangle + (bits > 0 ? bytes.finer_bit : bytes.coarser_bit) * bits - colors +
            needs_.more_bytes + 45.0 / std::sqrt(std::min(needs_.node_triangles, triangles_));
   }
 
