@@ -3,6 +3,7 @@
 // decisions and carries kept back as in LZMA's coder.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,42 +13,40 @@
 
 namespace colossus::codec::entropy {
 
-// How probable a 0 is, learnt from the bits so far: the mean of a fast and a slow average.
-class BitModel {
+// How probable a 0 is, in units of 2^-kProbabilityBits, of which there are at most 16; never 0 and never 1.
+// See bit_models.hpp.
+template <typename Model>
+concept BitModel = requires(Model& model, const Model& known, bool bit) {
+  requires Model::kProbabilityBits <= 16;
+  { known.probability_of_zero() } -> std::same_as<std::uint32_t>;
+  model.update(bit);
+};
+
+// What encoder and decoder do alike: the range, and which part of it a 0 takes.
+class BitRange {
  public:
-  static constexpr int kProbabilityBits = 14;
+  static constexpr std::size_t kStartBytes = 4;
 
-  // In units of 2^-kProbabilityBits; never 0 and never 1.
-  std::uint32_t probability_of_zero() const {
-    return (std::uint32_t{fast_} + slow_) >> (17 - kProbabilityBits);
+ protected:
+  template <BitModel Model>
+  std::uint32_t part_of_zero(const Model& model) const {
+    return (range_ >> Model::kProbabilityBits) * model.probability_of_zero();
   }
 
-  void update(bool bit) {
-    const std::uint32_t target = bit ? 0 : kOne;
-    fast_ = toward(fast_, target, kFastShift);
-    slow_ = toward(slow_, target, kSlowShift);
-  }
+  // Then the next byte is due: what is left could be too coarse for a model.
+  bool is_narrow() const { return range_ < std::uint32_t{1} << 24; }
 
- private:
-  static constexpr std::uint32_t kOne = 0xffff;
-  static constexpr int kFastShift = 4;
-  static constexpr int kSlowShift = 7;
-
-  // Stops short of the target, since the step is rounded towards 0.
-  static std::uint16_t toward(std::uint32_t value, std::uint32_t target, int shift) {
-    return static_cast<std::uint16_t>(target > value ? value + ((target - value) >> shift)
-                                                     : value - ((value - target) >> shift));
-  }
-
-  std::uint16_t fast_ = 0x8000;
-  std::uint16_t slow_ = 0x8000;
+  std::uint32_t range_ = 0xffffffff;
 };
 
 // Whoever decodes must ask with the same models in the same order.
-class RangeEncoder {
+class RangeEncoder : private BitRange {
  public:
-  void encode(bool bit, BitModel& model) {
-    const std::uint32_t bound = (range_ >> BitModel::kProbabilityBits) * model.probability_of_zero();
+  using BitRange::kStartBytes;
+
+  template <BitModel Model>
+  void encode(bool bit, Model& model) {
+    const std::uint32_t bound = part_of_zero(model);
     if (bit) {
       low_ += bound;
       range_ -= bound;
@@ -55,7 +54,16 @@ class RangeEncoder {
       range_ = bound;
     }
     model.update(bit);
-    for (; range_ < kLeastRange; range_ <<= 8) shift_low();
+    normalize();
+  }
+
+  // The lowest bits of a value, each as likely as not; at most 32.
+  void encode_bits(std::uint32_t value, int count) {
+    for (int i = count; i-- > 0;) {
+      range_ >>= 1;
+      if ((value >> i & 1U) != 0) low_ += range_;
+      normalize();
+    }
   }
 
   // Ends the stream. Four bytes, and those of the bits.
@@ -65,10 +73,18 @@ class RangeEncoder {
     return std::move(bytes_);
   }
 
-  static constexpr std::uint32_t kLeastRange = std::uint32_t{1} << 24;
-  static constexpr std::size_t kStartBytes = 4;
+  // The same without the zeros at the end: a decoder supplies them, but can no longer tell where the end was.
+  core::Bytes finish_without_zeros() {
+    core::Bytes bytes = finish();
+    while (!bytes.empty() && bytes.back() == std::byte{0}) bytes.pop_back();
+    return bytes;
+  }
 
  private:
+  void normalize() {
+    for (; is_narrow(); range_ <<= 8) shift_low();
+  }
+
   // The top byte of `low_` is known but for a carry, which may run through all 0xff bytes before it.
   void shift_low() {
     if (low_ < 0xff000000 || low_ > 0xffffffff) {
@@ -84,21 +100,21 @@ class RangeEncoder {
   }
 
   std::uint64_t low_ = 0;
-  std::uint32_t range_ = 0xffffffff;
   std::uint8_t cache_ = 0;
   std::uint64_t pending_ = 1;  // bytes kept back: the cache, then some 0xff
   core::Bytes bytes_;
 };
 
 // Total on any bytes: where they end it goes on with zeros. Each bit takes constant time.
-class RangeDecoder {
+class RangeDecoder : private BitRange {
  public:
   explicit RangeDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
-    for (std::size_t i = 0; i < RangeEncoder::kStartBytes; ++i) code_ = code_ << 8 | next_byte();
+    for (std::size_t i = 0; i < kStartBytes; ++i) code_ = code_ << 8 | next_byte();
   }
 
-  bool decode(BitModel& model) {
-    const std::uint32_t bound = (range_ >> BitModel::kProbabilityBits) * model.probability_of_zero();
+  template <BitModel Model>
+  bool decode(Model& model) {
+    const std::uint32_t bound = part_of_zero(model);
     const bool bit = code_ >= bound;
     if (bit) {
       code_ -= bound;
@@ -107,15 +123,32 @@ class RangeDecoder {
       range_ = bound;
     }
     model.update(bit);
-    for (; range_ < RangeEncoder::kLeastRange; range_ <<= 8) code_ = code_ << 8 | next_byte();
+    normalize();
     return bit;
   }
 
-  // Of the bytes read so far; past the end when they did not suffice. After the last bit of what an encoder
-  // wrote it is exactly the end.
+  // A number of so many bits that encode_bits() has written.
+  std::uint32_t decode_bits(int count) {
+    std::uint32_t value = 0;
+    for (int i = 0; i < count; ++i) {
+      range_ >>= 1;
+      const bool bit = code_ >= range_;
+      if (bit) code_ -= range_;
+      value = value << 1 | (bit ? 1U : 0U);
+      normalize();
+    }
+    return value;
+  }
+
+  // Of the bytes read so far; past the end when they did not suffice. After the last bit of what finish() has
+  // returned it is exactly the end.
   std::uint64_t offset() const { return offset_; }
 
  private:
+  void normalize() {
+    for (; is_narrow(); range_ <<= 8) code_ = code_ << 8 | next_byte();
+  }
+
   std::uint32_t next_byte() {
     const std::uint64_t at = offset_++;
     return at < bytes_.size() ? std::to_integer<std::uint32_t>(bytes_[at]) : 0;
@@ -124,7 +157,6 @@ class RangeDecoder {
   std::span<const std::byte> bytes_;
   std::uint64_t offset_ = 0;
   std::uint32_t code_ = 0;
-  std::uint32_t range_ = 0xffffffff;
 };
 
 }  // namespace colossus::codec::entropy

@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "codec/entropy/range_coder.hpp"
+#include "codec/entropy/bit_models.hpp"
 
 namespace colossus::codec::paper {
 
@@ -48,10 +48,10 @@ class CoefficientModel {
     return exponent * (exponent - 1) / 2 + bit;
   }
 
-  entropy::BitModel nonzero_;
-  std::array<entropy::BitModel, kMaxBits> greater_;  // than the exponent i, by i
-  std::array<entropy::BitModel, kMaxBits> negative_;
-  std::array<entropy::BitModel, kMaxBits*(kMaxBits - 1) / 2> mantissa_;
+  entropy::TwoSpeedModel nonzero_;
+  std::array<entropy::TwoSpeedModel, kMaxBits> greater_;  // than the exponent i, by i
+  std::array<entropy::TwoSpeedModel, kMaxBits> negative_;
+  std::array<entropy::TwoSpeedModel, kMaxBits*(kMaxBits - 1) / 2> mantissa_;
 };
 
 }  // namespace colossus::codec::paper

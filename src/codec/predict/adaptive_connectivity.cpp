@@ -13,15 +13,17 @@ class AdaptiveSource {
     return decoder_.seeds_.get(decoder_.bits_, known);
   }
   Symbol step(const Situation& at, std::uint32_t) {
-    BitDecoder& bits = decoder_.bits_;
-    if (at.can_be_last() && bits.get(decoder_.is_last_)) return Symbol::kLast;
+    entropy::RangeDecoder& bits = decoder_.bits_;
+    if (at.can_be_last() && bits.decode(decoder_.is_last_)) return Symbol::kLast;
     auto& models = models_of(at);
-    if (!bits.get(models.is_new)) return Symbol::kNew;
-    if (at.can_be_right() && !bits.get(models.is_right)) return Symbol::kRight;
-    if (at.can_be_left() && !bits.get(models.is_left)) return Symbol::kLeft;
-    return bits.get(models.is_border) ? Symbol::kKnown : Symbol::kBorder;
+    if (!bits.decode(models.is_new)) return Symbol::kNew;
+    if (at.can_be_right() && !bits.decode(models.is_right)) return Symbol::kRight;
+    if (at.can_be_left() && !bits.decode(models.is_left)) return Symbol::kLeft;
+    return bits.decode(models.is_border) ? Symbol::kKnown : Symbol::kBorder;
   }
-  std::uint32_t known_vertex(std::uint32_t known) { return decoder_.bits_.get_bits(std::bit_width(known)); }
+  std::uint32_t known_vertex(std::uint32_t known) {
+    return decoder_.bits_.decode_bits(std::bit_width(known));
+  }
   void opened(std::uint32_t, GateOrigin) {}
 
  private:

@@ -11,26 +11,26 @@ class AdaptiveConnectivityDecoder {
  public:
   AdaptiveConnectivityDecoder(std::span<const std::byte> bytes, std::size_t) : bits_(bytes) {}
   bool decode(coded::CodedPart& part, LinkStore& store);
-  BitDecoder& bits() { return bits_; }
+  entropy::RangeDecoder& bits() { return bits_; }
   // Bits have no end.
   bool is_done() const { return true; }
 
  private:
   friend class AdaptiveSource;
   struct Models {
-    BitModel is_new;
-    BitModel is_right;
-    BitModel is_left;
-    BitModel is_border;
+    entropy::GrowingWindowModel is_new;
+    entropy::GrowingWindowModel is_right;
+    entropy::GrowingWindowModel is_left;
+    entropy::GrowingWindowModel is_border;
   };
   static constexpr std::uint32_t kValencesA = 7;
   static constexpr std::uint32_t kValencesB = 10;
   static constexpr std::uint32_t kLatest = 3;
 
-  BitDecoder bits_;
+  entropy::RangeDecoder bits_;
   SeedModel seeds_;
   std::array<Models, std::size_t{kValencesB} * kValencesA * kLatest * 4> models_;
-  BitModel is_last_;
+  entropy::GrowingWindowModel is_last_;
 };
 
 }  // namespace colossus::codec::predict

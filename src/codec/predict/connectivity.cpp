@@ -165,7 +165,7 @@ class EncodingSource : public MeshSource {
   }
   std::uint32_t known_vertex(std::uint32_t known) {
     const std::uint32_t vertex = MeshSource::known_vertex(known);
-    encoder_.bits_.put_bits(vertex, std::bit_width(known));
+    encoder_.bits_.encode_bits(vertex, std::bit_width(known));
     return vertex;
   }
 
@@ -188,7 +188,9 @@ class DecodingSource {
     sequence.symbol = *sequence.next++;
     return static_cast<Symbol>(symbol);
   }
-  std::uint32_t known_vertex(std::uint32_t known) { return decoder_.bits_.get_bits(std::bit_width(known)); }
+  std::uint32_t known_vertex(std::uint32_t known) {
+    return decoder_.bits_.decode_bits(std::bit_width(known));
+  }
   void opened(std::uint32_t, GateOrigin) {}
 
  private:
@@ -197,20 +199,21 @@ class DecodingSource {
   ConnectivityDecoder::Sequence* sequences_;
 };
 
-void SeedModel::put(BitEncoder& encoder, const std::array<std::uint32_t, 3>& seed, std::uint32_t known) {
+void SeedModel::put(entropy::RangeEncoder& encoder, const std::array<std::uint32_t, 3>& seed,
+                    std::uint32_t known) {
   for (std::size_t k = 0; k < 3; ++k) {
-    encoder.put(is_known_[k], seed[k] != known);
+    encoder.encode(seed[k] != known, is_known_[k]);
     if (seed[k] != known)
-      encoder.put_bits(seed[k], std::bit_width(known));
+      encoder.encode_bits(seed[k], std::bit_width(known));
     else
       ++known;
   }
 }
 
-std::array<std::uint32_t, 3> SeedModel::get(BitDecoder& decoder, std::uint32_t known) {
+std::array<std::uint32_t, 3> SeedModel::get(entropy::RangeDecoder& decoder, std::uint32_t known) {
   std::array<std::uint32_t, 3> seed{};
   for (std::size_t k = 0; k < 3; ++k)
-    seed[k] = decoder.get(is_known_[k]) ? decoder.get_bits(std::bit_width(known)) : known++;
+    seed[k] = decoder.decode(is_known_[k]) ? decoder.decode_bits(std::bit_width(known)) : known++;
   return seed;
 }
 
@@ -250,7 +253,7 @@ core::Bytes ConnectivityEncoder::finish() {
   put_size(writer, value_bytes.size());
   writer.put_bytes(value_bytes);
   writer.put_bytes(sizes.bytes());
-  writer.put_bytes(bits_.finish());
+  writer.put_bytes(bits_.finish_without_zeros());
   return writer.take();
 }
 
@@ -269,7 +272,7 @@ ConnectivityDecoder::ConnectivityDecoder(std::span<const std::byte> bytes, std::
     room -= std::min(count, room);
   }
   if (counts.empty()) counts.push_back(0);
-  bits_ = BitDecoder(reader.get_bytes(reader.remaining()));
+  bits_ = entropy::RangeDecoder(reader.get_bytes(reader.remaining()));
   symbols_ = std::make_unique_for_overwrite<std::uint32_t[]>(3 * triangle_count - room + 2 * counts.size());
   std::uint32_t* next = symbols_.get();
   for (std::size_t i = 0; is_valid_ && i < counts.size(); ++i) {

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "codec/coded/coded_node.hpp"
-#include "codec/predict/bit_coder.hpp"
+#include "codec/entropy/bit_models.hpp"
 #include "codec/predict/traversal.hpp"
 #include "codec/predict/values.hpp"
 
@@ -15,11 +15,11 @@ namespace colossus::codec::predict {
 // Seeds and numbers of known vertices.
 class SeedModel {
  public:
-  void put(BitEncoder& encoder, const std::array<std::uint32_t, 3>& seed, std::uint32_t known);
-  std::array<std::uint32_t, 3> get(BitDecoder& decoder, std::uint32_t known);
+  void put(entropy::RangeEncoder& encoder, const std::array<std::uint32_t, 3>& seed, std::uint32_t known);
+  std::array<std::uint32_t, 3> get(entropy::RangeDecoder& decoder, std::uint32_t known);
 
  private:
-  std::array<BitModel, 3> is_known_;
+  std::array<entropy::GrowingWindowModel, 3> is_known_;
 };
 
 // The order of triangles that ConnectivityEncoder wants. Linear.
@@ -30,7 +30,7 @@ class ConnectivityEncoder {
   // Triangles must be as order_by_traversal() leaves them. Fills the store.
   void encode(const coded::CodedPart& part, LinkStore& store);
   // For what else is to be told between two parts.
-  BitEncoder& bits() { return bits_; }
+  entropy::RangeEncoder& bits() { return bits_; }
   core::Bytes finish();
 
  private:
@@ -40,7 +40,7 @@ class ConnectivityEncoder {
     Symbol symbol;
   };
   std::vector<Occurrence> symbols_;
-  BitEncoder bits_;
+  entropy::RangeEncoder bits_;
   SeedModel seeds_;
 };
 
@@ -51,7 +51,7 @@ class ConnectivityDecoder {
   ConnectivityDecoder(std::span<const std::byte> bytes, std::size_t triangle_count);
   // Fills the triangles and the store; false when the symbols make no sense.
   bool decode(coded::CodedPart& part, LinkStore& store);
-  BitDecoder& bits() { return bits_; }
+  entropy::RangeDecoder& bits() { return bits_; }
   // Whether all symbols were read, no more and no less.
   bool is_done() const;
 
@@ -66,7 +66,7 @@ class ConnectivityDecoder {
   std::vector<std::uint8_t> tables_;          // by context
   std::unique_ptr<std::uint32_t[]> symbols_;  // those of each table, and one that is none
   std::vector<Sequence> sequences_;           // by table
-  BitDecoder bits_;
+  entropy::RangeDecoder bits_;
   SeedModel seeds_;
 };
 

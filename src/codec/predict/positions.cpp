@@ -35,7 +35,8 @@ std::uint32_t face_of(const coded::Coordinates& weights) {
 
 std::uint32_t zigzag(std::uint32_t value) { return to_unsigned(static_cast<std::int32_t>(value)); }
 
-void decode_faces(BitDecoder& bits, FaceModel& faces, PointPredictor& predictor, std::uint32_t count) {
+void decode_faces(entropy::RangeDecoder& bits, FaceModel& faces, PointPredictor& predictor,
+                  std::uint32_t count) {
   // A list first: a branch for each vertex would be a guess.
   Buffer<std::uint32_t> border(count);
   std::size_t border_count = 0;
@@ -106,8 +107,9 @@ void decode_points(PointPredictor& predictor, const Residuals& residuals, std::u
 
 }  // namespace
 
-void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& values, const Basis& basis,
-                      const Links& links, const coded::CodedNode& node, const coded::CodedPart& part) {
+void encode_positions(entropy::RangeEncoder& face_bits, FaceModel& faces, ValueEncoder& values,
+                      const Basis& basis, const Links& links, const coded::CodedNode& node,
+                      const coded::CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   PointPredictor predictor(basis, links, node, count);
   struct Along {
@@ -154,8 +156,9 @@ void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& val
   values.end_batch();
 }
 
-void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& values, const Basis& basis,
-                      const Links& links, const coded::CodedNode& node, coded::CodedPart& part) {
+void decode_positions(entropy::RangeDecoder& face_bits, FaceModel& faces, ValueDecoder& values,
+                      const Basis& basis, const Links& links, const coded::CodedNode& node,
+                      coded::CodedPart& part) {
   const auto count = static_cast<std::uint32_t>(part.positions.size());
   PointPredictor predictor(basis, links, node, count);
   decode_faces(face_bits, faces, predictor, count);

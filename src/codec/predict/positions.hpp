@@ -9,8 +9,8 @@
 //   in which plane and face meet, and one across.
 #pragma once
 
+#include "codec/entropy/bit_models.hpp"
 #include "codec/predict/basis.hpp"
-#include "codec/predict/bit_coder.hpp"
 #include "codec/predict/traversal.hpp"
 #include "codec/predict/values.hpp"
 
@@ -19,23 +19,25 @@ namespace colossus::codec::predict {
 // On which single face border vertices lie, if so, in the context of what neighbours lie on.
 class FaceModel {
  public:
-  void put(BitEncoder& encoder, std::uint32_t neighbor_faces, std::uint32_t face) {
-    trees_[neighbor_faces].put(encoder, face);
+  void put(entropy::RangeEncoder& encoder, std::uint32_t neighbor_faces, std::uint32_t face) {
+    trees_[neighbor_faces].encode(encoder, face);
   }
-  std::uint32_t get(BitDecoder& decoder, std::uint32_t neighbor_faces) {
-    return trees_[neighbor_faces].get(decoder);
+  std::uint32_t get(entropy::RangeDecoder& decoder, std::uint32_t neighbor_faces) {
+    return trees_[neighbor_faces].decode(decoder);
   }
 
  private:
-  std::array<TreeModel<3>, 16> trees_;
+  std::array<entropy::TreeModel<3>, 16> trees_;
 };
 
 inline constexpr std::size_t kPositionContexts = 4 + 4 + 2 + 3;
 
-void encode_positions(BitEncoder& face_bits, FaceModel& faces, ValueEncoder& values, const Basis& basis,
-                      const Links& links, const coded::CodedNode& node, const coded::CodedPart& part);
+void encode_positions(entropy::RangeEncoder& face_bits, FaceModel& faces, ValueEncoder& values,
+                      const Basis& basis, const Links& links, const coded::CodedNode& node,
+                      const coded::CodedPart& part);
 
-void decode_positions(BitDecoder& face_bits, FaceModel& faces, ValueDecoder& values, const Basis& basis,
-                      const Links& links, const coded::CodedNode& node, coded::CodedPart& part);
+void decode_positions(entropy::RangeDecoder& face_bits, FaceModel& faces, ValueDecoder& values,
+                      const Basis& basis, const Links& links, const coded::CodedNode& node,
+                      coded::CodedPart& part);
 
 }  // namespace colossus::codec::predict

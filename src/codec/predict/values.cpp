@@ -96,28 +96,28 @@ Frequencies normalized(const Weights& weights) {
 
 class WeightModel {
  public:
-  void put(BitEncoder& encoder, const Weights& weights) {
+  void put(entropy::RangeEncoder& encoder, const Weights& weights) {
     std::size_t end = kTokens;
     while (end > 0 && weights[end - 1] == 0) --end;
-    ends_.put(encoder, static_cast<std::uint32_t>(end));
+    ends_.encode(encoder, static_cast<std::uint32_t>(end));
     int before = 0;
     for (std::size_t t = 0; t < end; ++t) {
       const int length = std::bit_width(weights[t]);
-      lengths_[static_cast<std::size_t>(before)].put(encoder, static_cast<std::uint32_t>(length));
+      lengths_[static_cast<std::size_t>(before)].encode(encoder, static_cast<std::uint32_t>(length));
       if (const int shown = shown_bits(length); shown > 0)
-        encoder.put_bits(weights[t] >> (length - 1 - shown) & ((1U << shown) - 1), shown);
+        encoder.encode_bits(weights[t] >> (length - 1 - shown) & ((1U << shown) - 1), shown);
       before = length;
     }
   }
-  Weights get(BitDecoder& decoder) {
+  Weights get(entropy::RangeDecoder& decoder) {
     Weights weights{};
-    const std::size_t end = std::min<std::size_t>(ends_.get(decoder), kTokens);
+    const std::size_t end = std::min<std::size_t>(ends_.decode(decoder), kTokens);
     std::size_t before = 0;
     for (std::size_t t = 0; t < end; ++t) {
-      const auto length = static_cast<int>(lengths_[before].get(decoder));
+      const auto length = static_cast<int>(lengths_[before].decode(decoder));
       if (length > 0) {
         const int shown = shown_bits(length);
-        weights[t] = (1U << shown | decoder.get_bits(shown)) << (length - 1 - shown);
+        weights[t] = (1U << shown | decoder.decode_bits(shown)) << (length - 1 - shown);
       }
       before = static_cast<std::size_t>(length);
     }
@@ -126,8 +126,8 @@ class WeightModel {
 
  private:
   static int shown_bits(int length) { return std::clamp(length - 1, 0, kMantissaBits); }
-  TreeModel<8> ends_;
-  std::array<TreeModel<kLengthBits>, 1 << kLengthBits> lengths_;
+  entropy::TreeModel<8> ends_;
+  std::array<entropy::TreeModel<kLengthBits>, 1 << kLengthBits> lengths_;
 };
 
 core::Bytes raw_bits_of(const auto& symbols) {
@@ -147,18 +147,18 @@ core::Bytes raw_bits_of(const auto& symbols) {
 // Numbers below 2^15, small ones in few bits.
 class NumberModel {
  public:
-  void put(BitEncoder& encoder, std::uint32_t number) {
+  void put(entropy::RangeEncoder& encoder, std::uint32_t number) {
     const int width = std::bit_width(number);
-    widths_.put(encoder, static_cast<std::uint32_t>(width));
-    if (width > 1) encoder.put_bits(number & ((1U << (width - 1)) - 1), width - 1);
+    widths_.encode(encoder, static_cast<std::uint32_t>(width));
+    if (width > 1) encoder.encode_bits(number & ((1U << (width - 1)) - 1), width - 1);
   }
-  std::uint32_t get(BitDecoder& decoder) {
-    const auto width = static_cast<int>(widths_.get(decoder));
-    return width < 2 ? static_cast<std::uint32_t>(width) : 1U << (width - 1) | decoder.get_bits(width - 1);
+  std::uint32_t get(entropy::RangeDecoder& decoder) {
+    const auto width = static_cast<int>(widths_.decode(decoder));
+    return width < 2 ? static_cast<std::uint32_t>(width) : 1U << (width - 1) | decoder.decode_bits(width - 1);
   }
 
  private:
-  TreeModel<4> widths_;
+  entropy::TreeModel<4> widths_;
 };
 
 }  // namespace
@@ -189,7 +189,7 @@ TableRuns TableRuns::of(std::span<const std::uint32_t> counts, std::size_t token
   return runs;
 }
 
-void TableRuns::write(BitEncoder& encoder) const {
+void TableRuns::write(entropy::RangeEncoder& encoder) const {
   NumberModel numbers;
   numbers.put(encoder, static_cast<std::uint32_t>(table_count_));
   std::size_t begin = 0;
@@ -200,7 +200,7 @@ void TableRuns::write(BitEncoder& encoder) const {
   }
 }
 
-bool TableRuns::read(BitDecoder& decoder, std::size_t context_count) {
+bool TableRuns::read(entropy::RangeDecoder& decoder, std::size_t context_count) {
   NumberModel numbers;
   table_count_ = numbers.get(decoder);
   tables_.assign(context_count, 0);
@@ -219,7 +219,7 @@ bool TableRuns::read(BitDecoder& decoder, std::size_t context_count) {
 
 core::Bytes ValueEncoder::finish() {
   if (symbols_.empty()) return {};
-  BitEncoder table_bits;
+  entropy::RangeEncoder table_bits;
   const TableRuns runs = TableRuns::of(counts_, token_count_);
   runs.write(table_bits);
   std::vector<std::uint32_t> counts(runs.table_count() * token_count_);
@@ -259,7 +259,7 @@ core::Bytes ValueEncoder::finish() {
     }
   }
   std::reverse(words.begin(), words.end());
-  const core::Bytes tables = table_bits.finish();
+  const core::Bytes tables = table_bits.finish_without_zeros();
   core::ByteWriter writer;
   put_size(writer, tables.size());
   put_size(writer, words.size());
@@ -275,7 +275,7 @@ ValueDecoder::ValueDecoder(std::span<const std::byte> bytes, std::size_t context
   core::ByteReader reader(bytes);
   const std::size_t table_bytes = bytes.empty() ? 0 : get_size(reader);
   const std::size_t word_count = bytes.empty() ? 0 : get_size(reader);
-  BitDecoder tables(reader.get_bytes(table_bytes));
+  entropy::RangeDecoder tables(reader.get_bytes(table_bytes));
   read_tables(tables, bytes.empty() ? 0 : context_count, layout);
   states_.fill(kLeastState);
   if (bytes.empty()) return;
@@ -285,7 +285,8 @@ ValueDecoder::ValueDecoder(std::span<const std::byte> bytes, std::size_t context
   is_valid_ = is_valid_ && !reader.failed();
 }
 
-void ValueDecoder::read_tables(BitDecoder& decoder, std::size_t context_count, TableLayout layout) {
+void ValueDecoder::read_tables(entropy::RangeDecoder& decoder, std::size_t context_count,
+                               TableLayout layout) {
   // Without bytes there are no tables, and all contexts have the one of zeros.
   if (context_count > 0 && layout == TableLayout::kEach) {
     table_count_ = context_count;

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "codec/predict/bit_coder.hpp"
+#include "codec/entropy/bit_models.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec::predict {
@@ -69,8 +69,8 @@ class TableRuns {
   // often each token occurs, context by context. Every context has a table unless there are no counts at all.
   static TableRuns of(std::span<const std::uint32_t> counts, std::size_t token_count);
   // False when they make no sense.
-  bool read(BitDecoder& decoder, std::size_t context_count);
-  void write(BitEncoder& encoder) const;
+  bool read(entropy::RangeDecoder& decoder, std::size_t context_count);
+  void write(entropy::RangeEncoder& encoder) const;
   std::size_t table_count() const { return table_count_; }
   // By context.
   const std::vector<std::uint8_t>& tables() const& { return tables_; }
@@ -185,7 +185,7 @@ class ValueDecoder {
     states_ = x;
   }
 
-  void read_tables(BitDecoder& decoder, std::size_t context_count, TableLayout layout);
+  void read_tables(entropy::RangeDecoder& decoder, std::size_t context_count, TableLayout layout);
   void fill_tables();
   static void fill_table(Table& table, const Frequencies& frequencies);
   std::uint32_t next_word();

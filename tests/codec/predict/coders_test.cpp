@@ -1,4 +1,4 @@
-// The entropy coders and the traversal on their own: whatever goes in comes out, and nonsense ends.
+// The coders of values and the traversal on their own: whatever goes in comes out, and nonsense ends.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -18,38 +18,6 @@ using Random = std::mt19937_64;
 
 std::uint32_t pick(Random& random, std::uint32_t low, std::uint32_t high) {
   return std::uniform_int_distribution<std::uint32_t>(low, high)(random);
-}
-
-TEST(BitCoder, DecodesWhatItEncoded) {
-  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Random random(seed);
-    struct Piece {
-      std::uint32_t model;
-      std::uint32_t value;
-    };
-    std::vector<Piece> pieces(pick(random, 0, 3000));
-    BitEncoder encoder;
-    std::array<BitModel, 3> models;
-    // Model 0 learns to be all but sure, and is wrong at times.
-    for (Piece& piece : pieces) {
-      piece.model = pick(random, 0, 4);
-      const std::uint32_t one_in = piece.model == 0 ? 2000 : 4 * piece.model;
-      if (piece.model < 3)
-        encoder.put(models[piece.model], (piece.value = pick(random, 1, one_in) == 1 ? 1 : 0) != 0);
-      else
-        encoder.put_bits(piece.value = pick(random, 0, (1U << 4 * piece.model) - 1),
-                         static_cast<int>(4 * piece.model));
-    }
-    const core::Bytes bytes = encoder.finish();
-    BitDecoder decoder(bytes);
-    models = {};
-    for (const Piece& piece : pieces) {
-      const std::uint32_t value = piece.model < 3 ? (decoder.get(models[piece.model]) ? 1U : 0U)
-                                                  : decoder.get_bits(static_cast<int>(4 * piece.model));
-      ASSERT_EQ(value, piece.value);
-    }
-  }
 }
 
 TEST(Values, TokensTileAllNumbers) {
@@ -131,10 +99,10 @@ TEST(Values, ContextsShareTablesWhereThatIsShorter) {
       EXPECT_GE(runs.tables()[c], runs.tables()[c - 1]);
       EXPECT_LE(runs.tables()[c], runs.tables()[c - 1] + 1);
     }
-    BitEncoder encoder;
+    entropy::RangeEncoder encoder;
     runs.write(encoder);
-    const core::Bytes bytes = encoder.finish();
-    BitDecoder decoder(bytes);
+    const core::Bytes bytes = encoder.finish_without_zeros();
+    entropy::RangeDecoder decoder(bytes);
     TableRuns again;
     EXPECT_TRUE(again.read(decoder, kContexts));
     EXPECT_EQ(again.table_count(), runs.table_count());

@@ -44,7 +44,7 @@ std::vector<coded::Coordinates> decoded(const core::Bytes& bits, const core::Byt
                                         const coded::CodedPart& part) {
   coded::CodedPart result = part;
   result.positions.assign(part.positions.size(), {});
-  BitDecoder face_bits(bits);
+  entropy::RangeDecoder face_bits(bits);
   FaceModel faces;
   ValueDecoder decoder(values, kPositionContexts, TableLayout::kRuns);
   decode_positions(face_bits, faces, decoder, basis_of(part.frame), links, node, result);
@@ -56,11 +56,11 @@ void expect_round_trip(const coded::CodedNode& node, const coded::CodedPart& par
   LinkStore store(part.positions.size());
   ConnectivityEncoder().encode(part, store);
   const Links links = store.first(part.positions.size());
-  BitEncoder bits;
+  entropy::RangeEncoder bits;
   FaceModel faces;
   ValueEncoder values(kPositionContexts);
   encode_positions(bits, faces, values, basis_of(part.frame), links, node, part);
-  ASSERT_EQ(decoded(bits.finish(), values.finish(), links, node, part), part.positions);
+  ASSERT_EQ(decoded(bits.finish_without_zeros(), values.finish(), links, node, part), part.positions);
 }
 
 coded::Frame any_frame(Random& random) {
