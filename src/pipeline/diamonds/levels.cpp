@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "core/log.hpp"
-#include "pipeline/nodes/finest_level.hpp"
-#include "pipeline/run/memory.hpp"
+#include "pipeline/nodes/level_driver.hpp"
 #include "pipeline/run/phase.hpp"
 
 namespace colossus::pipeline::diamonds {
@@ -21,12 +19,13 @@ class LevelBuilder {
   LevelBuilder(const run::Workspace& workspace, const NodeSettings& settings, const Partition& partition,
                facts::Catalog& catalog)
       : workspace_(workspace),
+        driver_(workspace),
         settings_(settings),
         partition_(partition),
         catalog_(catalog),
         leaves_(partition.leaves) {
-    hierarchy_.lattice = {settings.lattice.origin, settings.lattice.step, geometry::kRootBits};
-    hierarchy_.position_bits = settings.quantize.position_bits;
+    driver_.finished().lattice = {settings.lattice.origin, settings.lattice.step, geometry::kRootBits};
+    driver_.finished().position_bits = settings.quantize.position_bits;
     if (!workspace_.ranks.is_root()) return;
     for (const Point& center : partition.splits)
       splits_by_level_[hierarchy::level_of(center)].push_back(center);
@@ -34,10 +33,9 @@ class LevelBuilder {
   }
 
   facts::Hierarchy run() {
-    run_tasks("leaves", leaf_tasks(), [&](const PlannedTask& task) { return leaf_task(task.index); });
-    workspace_.ranks.attempt([&] {
-      if (workspace_.ranks.is_root()) check_leaves();
-    });
+    run_tasks(
+        "leaves", leaf_tasks(), [&](std::size_t first) { return leaf_task(first); }, std::nullopt);
+    driver_.finish_finest(catalog_, [&] { check_leaves(); });
     std::int64_t levels = splits_by_level_.empty() ? 0 : splits_by_level_.rbegin()->first + 1;
     broadcast_value(workspace_.ranks, levels);
     // Leaves lie at several levels; their scratch goes with the one of the coarsest.
@@ -45,22 +43,16 @@ class LevelBuilder {
     broadcast_value(workspace_.ranks, coarsest_leaf);
     for (auto level = static_cast<int>(levels) - 1; level >= 0; --level) {
       run_level(level);
-      if (workspace_.ranks.is_root()) warn_of_missed_target(hierarchy_, static_cast<std::uint32_t>(level));
       // The level below, or the leaves' own phase, which keeps all it makes.
       release_phases(workspace_, last_phase(workspace_) - 1, last_phase(workspace_) - 1);
       if (level + 1 == coarsest_leaf)
         release_phases(workspace_, partition_.first_phase, partition_.last_phase);
     }
-    hierarchy_.sort();
-    return std::move(hierarchy_);
+    return driver_.take();
   }
 
  private:
-  // Made into a NodeTask when it is about to be sent.
-  struct PlannedTask {
-    std::size_t index = 0;  // of the first leaf, or of the centre
-    std::uint64_t triangles = 0;
-  };
+  using PlannedTask = nodes::PlannedTask;
   struct NodeError {
     Point center;
     double error = 0.0;
@@ -86,15 +78,14 @@ class LevelBuilder {
   }
 
   void check_leaves() {
-    for (const facts::LevelStatistics& level : hierarchy_.levels) {
+    for (const facts::LevelStatistics& level : driver_.finished().levels) {
       catalog_.counts.finest_border_edges += level.sums.finest_border_edges;
       catalog_.counts.finest_nonmanifold_edges += level.sums.finest_nonmanifold_edges;
     }
     double greatest = 0.0;
-    for (const facts::StoredNode& leaf : hierarchy_.nodes) greatest = std::max(greatest, leaf.row.error);
+    for (const facts::StoredNode& leaf : driver_.finished().nodes)
+      greatest = std::max(greatest, leaf.row.error);
     require_tolerance(workspace_.options, greatest);
-    hierarchy_.sort();
-    nodes::refuse_lost_surface(catalog_, hierarchy_);
   }
 
   void run_level(int level) {
@@ -105,8 +96,9 @@ class LevelBuilder {
       const NodeTask task = inner_task(centers[i]);
       if (!task.parts.empty()) tasks.push_back({i, cost_of(task)});
     }
-    run_tasks(fmt::format("level {}", level), std::move(tasks),
-              [&](const PlannedTask& task) { return inner_task(centers[task.index]); });
+    run_tasks(
+        fmt::format("level {}", level), std::move(tasks),
+        [&](std::size_t i) { return inner_task(centers[i]); }, static_cast<std::uint32_t>(level));
     splits_by_level_.erase(level);
   }
 
@@ -163,40 +155,32 @@ class LevelBuilder {
 
   // Collective; tasks and results are on rank 0.
   template <typename Make>
-  void run_tasks(const std::string& name, std::vector<PlannedTask> tasks, const Make& make) {
-    // The largest first, so that none of them starts last.
-    std::stable_sort(tasks.begin(), tasks.end(),
-                     [](const PlannedTask& a, const PlannedTask& b) { return a.triangles > b.triangles; });
-    std::uint64_t triangles = 0;
-    run_phase(
-        workspace_, name, tasks.size(),
-        [&](std::size_t i) {
-          const NodeTask task = make(tasks[i]);
-          require_memory(workspace_, node_bytes(tasks[i].triangles),
-                         fmt::format("a diamond of {} triangles in {}", tasks[i].triangles, name));
-          return task.to_bytes();
-        },
-        [&](std::span<const std::byte> bytes) {
-          return build_node(workspace_, settings_, NodeTask::from_bytes(bytes)).to_bytes();
-        },
-        [&](std::size_t, const Bytes& bytes) {
-          const NodeResult result = NodeResult::from_bytes(bytes);
-          take(result);
-          triangles += result.node.row.triangles;
-        });
-    const std::uint64_t peak = run::greatest_peak_memory(workspace_.ranks);
-    core::log("{}: {} nodes, {} triangles, peak memory {} MB", name, tasks.size(), triangles, peak >> 20);
+  void run_tasks(const std::string& name, std::vector<PlannedTask> tasks, const Make& make,
+                 std::optional<std::uint32_t> simplified) {
+    nodes::Level level;
+    level.name = name;
+    level.tasks = std::move(tasks);
+    level.task_name = "a diamond";
+    level.task_bytes = node_bytes;
+    level.make = [&](std::size_t index) { return make(index).to_bytes(); };
+    level.work = [&](std::span<const std::byte> bytes) {
+      return build_node(workspace_, settings_, NodeTask::from_bytes(bytes)).to_bytes();
+    };
+    level.take = [&](std::span<const std::byte> bytes) { return take(NodeResult::from_bytes(bytes)); };
+    level.simplified = simplified;
+    driver_.run(std::move(level));
   }
 
-  void take(const NodeResult& result) {
+  std::vector<facts::FinishedNode> take(const NodeResult& result) {
     const container::NodeRow& row = result.node.row;
     errors_by_level_[static_cast<int>(row.level)].push_back(
         {{row.center[0], row.center[1], row.center[2]}, row.error});
     made_.insert(made_.end(), result.tetrahedra.begin(), result.tetrahedra.end());
-    hierarchy_.add(result.node);
+    return {result.node};
   }
 
   const run::Workspace& workspace_;
+  nodes::LevelDriver driver_;
   const NodeSettings& settings_;
   const Partition& partition_;
   facts::Catalog& catalog_;
@@ -206,7 +190,6 @@ class LevelBuilder {
   std::vector<TetrahedronRecord> children_;  // of the level at hand, by id
   std::vector<NodeError> errors_;            // of the nodes below the level at hand, by centre
   std::map<int, std::vector<NodeError>> errors_by_level_;
-  facts::Hierarchy hierarchy_;
 };
 
 }  // namespace
