@@ -12,11 +12,6 @@ namespace colossus::cli {
 // status.
 using Action = std::function<int(int& argc, char**& argv)>;
 
-// Of build, verify --against and synth --base.
-inline constexpr const char* kLenientHelp =
-    "Let pass, and say so: floats for indices and counts, surplus numbers in a row, prose in headers, other "
-    "bytes behind the data";
-
 // For options that take a count. CLI11 would read -1 as the largest number, and cut down larger ones.
 CLI::Validator count_from(std::uint64_t least, std::uint64_t most = ~std::uint64_t{0});
 

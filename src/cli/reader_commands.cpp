@@ -13,6 +13,7 @@
 #include "core/log.hpp"
 #include "exporters/ply.hpp"
 #include "input/load.hpp"
+#include "pipeline/facts/option_table.hpp"
 #include "pipeline/run/inputs.hpp"
 #include "reader/info.hpp"
 #include "reader/open.hpp"
@@ -119,7 +120,7 @@ void add_verify(CLI::App& app, Action& chosen) {
       ->check(count_from(1, kMostSamples))
       ->capture_default_str();
   command->add_flag("--drop-textures", arguments->drop_textures, "As for build");
-  command->add_flag("--lenient", arguments->is_lenient, kLenientHelp);
+  command->add_flag("--lenient", arguments->is_lenient, pipeline::facts::kLenientHelp);
   command->callback(
       [&chosen, arguments] { chosen = [arguments](int&, char**&) { return verify_container(*arguments); }; });
 }

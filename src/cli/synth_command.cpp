@@ -1,6 +1,7 @@
 #include "cli/commands.hpp"
 #include "core/log.hpp"
 #include "input/load.hpp"
+#include "pipeline/facts/option_table.hpp"
 #include "pipeline/run/inputs.hpp"
 #include "synth/synth.hpp"
 
@@ -56,7 +57,7 @@ void add_synth(CLI::App& app, Action& chosen) {
   command->add_option(
       "--base", arguments->base,
       "A mesh to sculpt instead of the built-in statue, subdivided to any size beyond its own");
-  command->add_flag("--lenient", arguments->is_lenient, kLenientHelp);
+  command->add_flag("--lenient", arguments->is_lenient, pipeline::facts::kLenientHelp);
   command->add_flag("--shuffle", arguments->options.shuffle,
                     "Write vertices and faces in an order without locality");
   command->add_flag("--no-colors", arguments->no_colors, "Without vertex colours");

@@ -4,12 +4,15 @@
 #include <optional>
 
 #include "cluster/stop.hpp"
+#include "core/duration.hpp"
 #include "core/log.hpp"
 #include "core/version.hpp"
 #include "pipeline/estimate.hpp"
+#include "pipeline/facts/option_table.hpp"
 #include "pipeline/ingest/extent.hpp"
 #include "pipeline/ingest/survey.hpp"
 #include "pipeline/nodes/assemble.hpp"
+#include "pipeline/nodes/finest_level.hpp"
 #include "pipeline/run/inputs.hpp"
 #include "pipeline/run/memory.hpp"
 #include "pipeline/run/phase.hpp"
@@ -22,6 +25,15 @@ namespace {
 constexpr std::uint64_t kLeastLeafTriangles = 16;
 constexpr std::uint64_t kMostLeafTriangles = 1'000'000'000;  // a leaf is made in memory
 
+std::optional<double> seconds_of(const std::optional<std::string>& time_limit) {
+  if (!time_limit) return std::nullopt;
+  const std::optional<double> seconds = core::parse_duration(*time_limit);
+  if (!seconds)
+    core::fail(core::Status::kUsage,
+               "--time-limit {} is no time; write it like 90s, 45m, 3h50m or 1-02:00:00", *time_limit);
+  return seconds;
+}
+
 void check_options(const cluster::Communicator& ranks, const facts::BuildOptions& options) {
   ranks.attempt([&] {
     if (options.leaf_triangles < kLeastLeafTriangles || options.leaf_triangles > kMostLeafTriangles)
@@ -30,7 +42,10 @@ void check_options(const cluster::Communicator& ranks, const facts::BuildOptions
     if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0.0))
       core::fail(core::Status::kUsage, "--tolerance {} is not a positive length", *options.tolerance);
     codec::codec_named(options.codec);
-    scheme_named(options.scheme).check(options);
+    seconds_of(options.time_limit);
+    const nodes::Scheme& scheme = scheme_named(options.scheme);
+    refuse_options_of_other_schemes(options);
+    scheme.check(options);
   });
 }
 
@@ -92,6 +107,7 @@ BuildReport run_phases(const run::Workspace& workspace, const nodes::Scheme& sch
   ranks.attempt(
       [&] { ingest::refuse_far_corner(workspace.options, catalog, 2.0 * catalog.lattice.input_error()); });
   const facts::Hierarchy hierarchy = scheme.build(workspace, catalog, std::move(groups));
+  if (ranks.is_root()) nodes::count_finest_level(catalog, hierarchy);
   workspace.reporter.set_input(catalog);
   ranks.attempt([&] {
     if (ranks.is_root()) report.output_bytes = nodes::assemble(workspace, catalog, scheme.name, hierarchy);
@@ -177,7 +193,7 @@ Attempt attempt_build(const cluster::Communicator& ranks, const facts::BuildOpti
 BuildReport build_with(const cluster::Communicator& ranks, const facts::BuildOptions& options,
                        const run::Outputs& outputs, run::Reporter& reporter) {
   const std::uint64_t memory_bytes = run::memory_per_rank(ranks, options.memory);
-  cluster::watch_for_stop(ranks, options.time_limit);
+  cluster::watch_for_stop(ranks, seconds_of(options.time_limit));
   const Attempt attempt = attempt_build(ranks, options, outputs, memory_bytes, reporter);
   ranks.barrier();  // all files are closed
   if (ranks.is_root() && attempt.is_done_with_scratch()) {

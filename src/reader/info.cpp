@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "codec/coded/coded_node.hpp"
 #include "core/error.hpp"
 #include "core/escape.hpp"
 
@@ -92,11 +93,12 @@ struct Part {
   const char* name;  // in JSON
   const char* bytes;
 };
-constexpr std::array<Part, 5> kParts{{{"topology", "connectivity", "connectivity_bytes"},
-                                      {"position", "positions", "position_bytes"},
-                                      {"normal", "normals", "normal_bytes"},
-                                      {"colour", "colors", "color_bytes"},
-                                      {"parent", "parents", "parent_bytes"}}};
+constexpr const auto& kColumns = codec::coded::kComponentColumns;
+constexpr std::array<Part, codec::coded::kComponentCount> kParts{{{"topology", "connectivity", kColumns[0]},
+                                                                  {"position", "positions", kColumns[1]},
+                                                                  {"normal", "normals", kColumns[2]},
+                                                                  {"colour", "colors", kColumns[3]},
+                                                                  {"parent", "parents", kColumns[4]}}};
 
 const container::LevelColumn* find_column(const container::Metadata& meta, std::string_view name) {
   for (const auto& column : meta.levels)

@@ -17,6 +17,9 @@ enum class Component : std::uint8_t { kConnectivity, kPositions, kNormals, kColo
 inline constexpr std::size_t kComponentCount = 5;
 template <typename T>
 using PerComponent = std::array<T, kComponentCount>;
+// The columns of a container's levels that say what sections take.
+inline constexpr PerComponent<const char*> kComponentColumns{"connectivity_bytes", "position_bytes",
+                                                             "normal_bytes", "color_bytes", "parent_bytes"};
 
 using Coordinates = std::array<std::uint32_t, 4>;
 using OctahedralNormal = std::array<std::uint8_t, 2>;

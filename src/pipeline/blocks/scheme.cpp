@@ -4,6 +4,7 @@
 
 #include "core/log.hpp"
 #include "pipeline/blocks/levels.hpp"
+#include "pipeline/facts/option_table.hpp"
 #include "pipeline/ingest/extent.hpp"
 #include "pipeline/run/memory.hpp"
 #include "pipeline/run/phase.hpp"
@@ -88,10 +89,10 @@ facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,
       require_tolerance(workspace.options, settings.input_error(partition.displacement));
   });
   facts::Hierarchy hierarchy = build_block_levels(workspace, settings, std::move(partition), catalog);
-  hierarchy.options = {{"block_size", fmt::format("{}", settings.block_size)},
-                       {"levels", fmt::format("{}", grid.levels)}};
-  if (settings.color_weight > 0.0)
-    hierarchy.options.push_back({"color_weight", fmt::format("{}", settings.color_weight)});
+  facts::BuildOptions chosen = workspace.options;
+  chosen.block_size = settings.block_size;
+  chosen.levels = grid.levels;
+  hierarchy.options = stored_options(chosen, container::kSchemeBlocks);
   return hierarchy;
 }
 

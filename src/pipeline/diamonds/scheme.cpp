@@ -112,11 +112,6 @@ void check(const facts::BuildOptions& options) {
       options.position_bits > codec::coded::kMaxPositionBits)
     core::fail(core::Status::kUsage, "--position-bits {} is out of range; choose {} to {}",
                options.position_bits, codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
-  if (options.levels) core::fail(core::Status::kUsage, "--levels is an option of --scheme blocks only");
-  if (options.block_size)
-    core::fail(core::Status::kUsage, "--block-size is an option of --scheme blocks only");
-  if (options.color_weight != 0.0)
-    core::fail(core::Status::kUsage, "--color-weight is an option of --scheme blocks only");
 }
 
 facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,

@@ -62,6 +62,7 @@ struct InputFile {
   bool has_colors = false;  // of vertices or faces
 };
 
+// Each member is a line in count_table.hpp.
 struct InputCounts {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;  // as read, polygons cut into triangles
@@ -81,8 +82,11 @@ struct InputCounts {
   std::uint64_t nonmanifold_edges = 0;
   std::uint64_t inconsistent_edges = 0;  // two triangles run along it in the same direction
   // Of the finest level as it is stored:
+  std::uint64_t leaves_above_limit = 0;
+  std::uint64_t finest_triangles = 0;
   std::uint64_t finest_border_edges = 0;
   std::uint64_t finest_nonmanifold_edges = 0;
+  std::uint64_t area_differs = 0;  // 1: from the input's, see nodes::AreaCheck
   std::uint64_t split_edges = 0;  // too long for their cubes (blocks)
   // Of the vertices that triangles with three corners use: those at a position that another one has, and
   // positions whose vertices had different attributes, which were averaged.

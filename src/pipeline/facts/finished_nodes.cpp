@@ -5,21 +5,31 @@
 
 #include "core/error.hpp"
 #include "core/log.hpp"
+#include "pipeline/facts/level_table.hpp"
 
 namespace colossus::pipeline::facts {
 
+namespace {
+
+// Every statistic has eight bytes.
+constexpr std::size_t kSumBytes = [] {
+  std::size_t bytes = 0;
+  for_each_sum([&](const LevelField&, auto) { bytes += sizeof(std::uint64_t); });
+  return bytes;
+}();
+static_assert(sizeof(NodeStatistics) == kSumBytes, "a sum is in no table");
+constexpr std::size_t kLevelBytes = [] {
+  std::size_t bytes = 0;
+  for_each_level_field([&](const LevelField&, auto) { bytes += sizeof(std::uint64_t); });
+  return bytes;
+}();
+static_assert(sizeof(LevelStatistics) == kLevelBytes, "a statistic of a level is in no table");
+
+}  // namespace
+
 NodeStatistics& NodeStatistics::operator+=(const NodeStatistics& other) {
-  initial_triangles += other.initial_triangles;
-  target_triangles += other.target_triangles;
-  reached_triangles += other.reached_triangles;
-  initial_vertices += other.initial_vertices;
-  locked_vertices += other.locked_vertices;
-  angles.below_5_degrees += other.angles.below_5_degrees;
-  angles.below_15_degrees += other.angles.below_15_degrees;
-  angles.below_30_degrees += other.angles.below_30_degrees;
-  inconsistent_edges += other.inconsistent_edges;
-  finest_border_edges += other.finest_border_edges;
-  finest_nonmanifold_edges += other.finest_nonmanifold_edges;
+  for_each_sum(
+      [&](const LevelField&, auto member) { std::invoke(member, *this) += std::invoke(member, other); });
   return *this;
 }
 

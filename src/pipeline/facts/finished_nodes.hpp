@@ -12,7 +12,8 @@
 
 namespace colossus::pipeline::facts {
 
-// Sums over the nodes of a level; integers, so that they do not depend on any order.
+// Sums over the nodes of a level; integers, so that they do not depend on any order. Each member, and each
+// of LevelStatistics, is a line in level_table.hpp.
 struct NodeStatistics {
   // Of inner nodes: what there was of the children, what was aimed at, what was reached before quantisation.
   std::uint64_t initial_triangles = 0;

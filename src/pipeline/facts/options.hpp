@@ -1,4 +1,4 @@
-// What a user asks of a build.
+// What a user asks of a build. Each member but `command` is a line in option_table.hpp.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,9 @@ struct BuildOptions {
   std::filesystem::path output;
   std::optional<std::filesystem::path> scratch;  // else <output>.scratch
   bool resume = false;               // continue what an interrupted build has left in scratch, if anything
-  std::optional<double> time_limit;  // seconds since the start of the program, after which the build stops
-  std::string scheme;                // empty: the first in pipeline/schemes.cpp
+  // Since the start of the program, after which the build stops; see core::parse_duration().
+  std::optional<std::string> time_limit;
+  std::string scheme;                   // empty: the first in pipeline/schemes.cpp
   std::uint64_t leaf_triangles = 8000;  // per tetrahedron, after clipping; on average per cube
   int position_bits = codec::coded::kDefaultPositionBits;
   std::optional<double> tolerance;  // world units; chooses position_bits

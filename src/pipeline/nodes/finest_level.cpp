@@ -39,6 +39,15 @@ void refuse_lost_surface(const facts::Catalog& catalog, const facts::Hierarchy& 
       catalog.input_name(), triangles, 100.0 * areas.finest / areas.input, ingest::far_corner_text(catalog));
 }
 
+void count_finest_level(facts::Catalog& catalog, const facts::Hierarchy& hierarchy) {
+  facts::InputCounts& counts = catalog.counts;
+  counts.finest_triangles = hierarchy.finest_triangles();
+  counts.area_differs = AreaCheck(catalog, hierarchy).differs() ? 1 : 0;
+  counts.leaves_above_limit = 0;
+  for (const facts::LevelStatistics& level : hierarchy.levels)
+    counts.leaves_above_limit += level.leaves_above_limit;
+}
+
 void log_finest_level(const facts::Catalog& catalog, const facts::Hierarchy& hierarchy) {
   const AreaCheck areas(catalog, hierarchy);
   const double percent = 100.0 * areas.finest / areas.input;

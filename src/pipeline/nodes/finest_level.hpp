@@ -21,6 +21,9 @@ struct AreaCheck {
 // than half of the input's area. Not collective; as soon as the leaves are made.
 void refuse_lost_surface(const facts::Catalog& catalog, const facts::Hierarchy& hierarchy);
 
+// Completes the counts with those of the finest level that follow from finished nodes. Not collective.
+void count_finest_level(facts::Catalog& catalog, const facts::Hierarchy& hierarchy);
+
 // Says in the log how the finest level compares with the input, and warns where areas differ. Not collective.
 void log_finest_level(const facts::Catalog& catalog, const facts::Hierarchy& hierarchy);
 

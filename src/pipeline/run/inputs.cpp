@@ -10,6 +10,7 @@
 #include "core/place.hpp"
 #include "core/version.hpp"
 #include "input/source.hpp"
+#include "pipeline/facts/option_table.hpp"
 
 namespace colossus::pipeline::run {
 namespace {
@@ -62,17 +63,7 @@ void check_unchanged(const std::vector<InputStamp>& before) {
 scratch::Manifest manifest_of(const facts::BuildOptions& options, const std::vector<InputStamp>& inputs) {
   scratch::Manifest manifest;
   manifest.add("program", core::release_version());
-  manifest.add("scheme", options.scheme);
-  manifest.add("leaf_triangles", fmt::format("{}", options.leaf_triangles));
-  manifest.add("position_bits", fmt::format("{}", options.position_bits));
-  manifest.add("codec", options.codec);
-  if (options.tolerance) manifest.add("tolerance", fmt::format("{}", *options.tolerance));
-  manifest.add("drop_textures", options.drop_textures ? "true" : "false");
-  manifest.add("lenient", options.is_lenient ? "true" : "false");
-  manifest.add("keep_outliers", options.keep_outliers ? "true" : "false");
-  if (options.levels) manifest.add("levels", fmt::format("{}", *options.levels));
-  if (options.block_size) manifest.add("block_size", fmt::format("{}", *options.block_size));
-  manifest.add("color_weight", fmt::format("{}", options.color_weight));
+  for (const container::NamedText& option : shaping_options(options)) manifest.add(option.name, option.value);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     manifest.add(fmt::format("input {}", i + 1),
                  fmt::format("{}, {}", inputs[i].path.string(), describe(inputs[i])));

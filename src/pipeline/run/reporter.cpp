@@ -14,6 +14,9 @@
 #include "core/log.hpp"
 #include "core/output_file.hpp"
 #include "core/version.hpp"
+#include "pipeline/facts/count_table.hpp"
+#include "pipeline/facts/level_table.hpp"
+#include "pipeline/facts/option_table.hpp"
 
 namespace colossus::pipeline::run {
 namespace {
@@ -72,51 +75,31 @@ ordered_json spread(const std::vector<PhaseShare>& shares, const ValueOf& value_
 }
 
 ordered_json options_json(const facts::BuildOptions& options) {
-  ordered_json json{{"scheme", options.scheme},
-                    {"leaf_triangles", options.leaf_triangles},
-                    {"position_bits", options.position_bits},
-                    {"codec", options.codec},
-                    {"drop_textures", options.drop_textures},
-                    {"lenient", options.is_lenient},
-                    {"keep_outliers", options.keep_outliers},
-                    {"color_weight", options.color_weight}};
-  if (options.tolerance) json["tolerance"] = *options.tolerance;
-  if (options.levels) json["levels"] = *options.levels;
-  if (options.block_size) json["block_size"] = *options.block_size;
+  ordered_json json = ordered_json::object();
+  facts::for_each_shaping_option([&](const facts::Option& option, auto member) {
+    const auto* value = facts::given(std::invoke(member, options));
+    if (option.help != nullptr && value != nullptr) json[option.name] = *value;
+  });
   return json;
 }
 
-ordered_json counts_json(const facts::InputCounts& c) {
-  return {{"vertices", c.vertices},
-          {"triangles", c.triangles},
-          {"polygons", c.polygons},
-          {"concave_polygons", c.concave_polygons},
-          {"warped_polygons", c.warped_polygons},
-          {"crossing_polygons", c.crossing_polygons},
-          {"small_faces", c.small_faces},
-          {"degenerate", c.degenerate},
-          {"collapsed", c.collapsed},
-          {"duplicate", c.duplicate},
-          {"opposite", c.opposite},
-          {"collinear", c.collinear},
-          {"border_edges", c.border_edges},
-          {"nonmanifold_edges", c.nonmanifold_edges},
-          {"inconsistent_edges", c.inconsistent_edges},
-          {"split_edges", c.split_edges},
-          {"merged_vertices", c.merged_vertices},
-          {"attribute_seams", c.attribute_seams}};
+ordered_json counts_json(const facts::InputCounts& counts) {
+  ordered_json json = ordered_json::object();
+  for (const facts::Count& count : facts::kCounts) json[count.name] = counts.*count.member;
+  return json;
+}
+
+ordered_json level_json(std::size_t number, const facts::LevelStatistics& level) {
+  ordered_json json{{"level", number}};
+  facts::for_each_level_field([&](const facts::LevelField& field, auto member) {
+    if (field.report_name != nullptr) json[field.report_name] = std::invoke(member, level);
+  });
+  return json;
 }
 
 ordered_json levels_json(const std::vector<facts::LevelStatistics>& levels) {
   ordered_json json = ordered_json::array();
-  for (std::size_t l = 0; l < levels.size(); ++l)
-    json.push_back({{"level", l},
-                    {"nodes", levels[l].nodes},
-                    {"leaves", levels[l].leaves},
-                    {"triangles", levels[l].triangles},
-                    {"vertices", levels[l].vertices},
-                    {"bytes", levels[l].stored_bytes},
-                    {"error", levels[l].error}});
+  for (const facts::LevelStatistics& level : levels) json.push_back(level_json(json.size(), level));
   return json;
 }
 

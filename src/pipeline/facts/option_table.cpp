@@ -1,0 +1,64 @@
+#include "pipeline/facts/option_table.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <string_view>
+
+#include "core/error.hpp"
+
+namespace colossus::pipeline::facts {
+namespace {
+
+std::string text_of(const std::string& value) { return value; }
+
+template <typename T>
+std::string text_of(const T& value) {
+  return fmt::format("{}", value);  // of a bool: true or false
+}
+
+bool is_of(const Option& option, const char* scheme) {
+  if (option.scheme == nullptr || scheme == nullptr) return option.scheme == scheme;
+  return std::string_view(option.scheme) == scheme;
+}
+
+template <typename Member>
+bool is_default(const BuildOptions& options, Member member) {
+  return std::invoke(member, options) == std::invoke(member, BuildOptions{});
+}
+
+}  // namespace
+
+std::string flag_of(const Option& option) {
+  std::string flag = fmt::format("--{}", option.name);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+std::vector<container::NamedText> shaping_options(const BuildOptions& options) {
+  std::vector<container::NamedText> texts;
+  for_each_shaping_option([&](const Option& option, auto member) {
+    if (const auto* value = given(std::invoke(member, options)))
+      texts.push_back({option.name, text_of(*value)});
+  });
+  return texts;
+}
+
+std::vector<container::NamedText> stored_options(const BuildOptions& chosen, const char* scheme) {
+  std::vector<container::NamedText> texts;
+  for_each_shaping_option([&](const Option& option, auto member) {
+    if (option.stored == Stored::kNever || !is_of(option, scheme)) return;
+    if (option.stored == Stored::kUnlessDefault && is_default(chosen, member)) return;
+    if (const auto* value = given(std::invoke(member, chosen)))
+      texts.push_back({option.name, text_of(*value)});
+  });
+  return texts;
+}
+
+void refuse_options_of_other_schemes(const BuildOptions& options) {
+  for_each_shaping_option([&](const Option& option, auto member) {
+    if (option.scheme == nullptr || option.scheme == options.scheme || is_default(options, member)) return;
+    core::fail(core::Status::kUsage, "{} is an option of --scheme {} only", flag_of(option), option.scheme);
+  });
+}
+
+}  // namespace colossus::pipeline::facts

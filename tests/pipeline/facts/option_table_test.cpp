@@ -1,0 +1,99 @@
+#include "pipeline/facts/option_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <type_traits>
+
+#include "core/error.hpp"
+#include "pipeline/run/inputs.hpp"
+
+namespace colossus::pipeline::facts {
+namespace {
+
+void change(bool& value) { value = !value; }
+void change(std::string& value) { value += "x"; }
+void change(std::filesystem::path& value) { value += "x"; }
+template <typename T>
+void change(T& value) {
+  if constexpr (std::is_arithmetic_v<T>)
+    value += 1;
+  else
+    change(value.emplace());
+}
+
+scratch::Manifest manifest_with(const BuildOptions& options) { return run::manifest_of(options, {}); }
+
+TEST(OptionTable, EachMemberOfTheOptionsIsALine) {
+  BuildOptions options;
+  // Does not compile when there is a new member: it wants a line in the table, and a name here.
+  [[maybe_unused]] auto& [inputs, output, scratch, resume, time_limit, scheme, leaf_triangles, position_bits,
+                          tolerance, drop_textures, is_lenient, keep_outliers, memory, status_file,
+                          report_file, is_dry_run, command, codec, levels, block_size, color_weight,
+                          has_shifted_blocks] = options;
+  constexpr std::size_t kMembers = 22;
+  std::set<const void*> found;
+  for_each_option([&](const Option&, auto member) { found.insert(&std::invoke(member, options)); });
+  EXPECT_EQ(found.size(), kMembers - 1);
+  EXPECT_EQ(found.count(&command), 0U) << "the words of the command line are no option";
+}
+
+TEST(OptionTable, EachThatShapesBytesIsInTheManifest) {
+  const scratch::Manifest before = manifest_with({});
+  for_each_shaping_option([&](const Option& option, auto member) {
+    BuildOptions options;
+    change(std::invoke(member, options));
+    const scratch::Manifest after = manifest_with(options);
+    EXPECT_NE(after, before) << option.name;
+    EXPECT_NE(after.key(), before.key()) << option.name;
+    EXPECT_NE(after.difference_from(before).find(option.name), std::string::npos)
+        << option.name << ": " << after.difference_from(before);
+  });
+}
+
+TEST(OptionTable, WhatDoesNotShapeBytesMayDifferInTheNextAttempt) {
+  const scratch::Manifest before = manifest_with({});
+  const auto expect_same = [&](const Option& option, auto member) {
+    BuildOptions options;
+    change(std::invoke(member, options));
+    EXPECT_EQ(manifest_with(options), before) << option.name;
+  };
+  for_each_run_option(expect_same);
+}
+
+TEST(OptionTable, TheContainerStoresWhatWasChosen) {
+  BuildOptions options;
+  options.position_bits = 9;
+  options.is_lenient = true;
+  options.block_size = 8;
+  using Texts = std::vector<container::NamedText>;
+  EXPECT_EQ(
+      stored_options(options, nullptr),
+      (Texts{{"leaf_triangles", "8000"}, {"position_bits", "9"}, {"codec", "predict"}, {"lenient", "true"}}));
+  EXPECT_EQ(stored_options(options, container::kSchemeBlocks), (Texts{{"block_size", "8"}}));
+  EXPECT_EQ(stored_options(options, container::kSchemeDiamonds), Texts{});
+}
+
+TEST(OptionTable, OptionsOfAnotherSchemeAreRefused) {
+  for_each_shaping_option([&](const Option& option, auto member) {
+    if (option.scheme == nullptr) return;
+    BuildOptions options;
+    options.scheme = option.scheme;
+    change(std::invoke(member, options));
+    EXPECT_NO_THROW(refuse_options_of_other_schemes(options)) << option.name;
+    options.scheme = "another";
+    try {
+      refuse_options_of_other_schemes(options);
+      ADD_FAILURE() << option.name;
+    } catch (const core::Error& error) {
+      EXPECT_EQ(error.status(), core::Status::kUsage);
+      EXPECT_EQ(std::string(error.what()),
+                fmt::format("{} is an option of --scheme {} only", flag_of(option), option.scheme));
+    }
+  });
+}
+
+}  // namespace
+}  // namespace colossus::pipeline::facts
