@@ -111,7 +111,7 @@ class Builder:
         self.runs = []
         os.makedirs(os.path.dirname(self.output))
 
-    def start(self, *options, ranks=0, fault=None, inputs=None, preexec=None):
+    def start(self, *options, ranks=0, fault=None, inputs=None, preexec=None, program_file=program.PROGRAM):
         run_folder = os.path.join(self.folder, f"run_{len(self.runs)}")
         os.makedirs(run_folder)
         for name in "state", "trace":
@@ -124,7 +124,7 @@ class Builder:
                            COLOSSUS_SHIM_TRACE=os.path.join(run_folder, "trace"), COLOSSUS_SHIM_FAULT=str(fault or ""))
         # Only the program itself gets the library, not mpirun.
         launcher = os.environ["COLOSSUS_MPIEXEC"].split(";") + [str(ranks)] if ranks else []
-        command = [*launcher, "env", f"LD_PRELOAD={SHIM}", program.PROGRAM, "build", *(inputs or self.inputs),
+        command = [*launcher, "env", f"LD_PRELOAD={SHIM}", program_file, "build", *(inputs or self.inputs),
                    "-o", self.output, *self.options, *map(str, options)]
         # Ranks may outlive mpirun, and would hold pipes open.
         with open(os.path.join(run_folder, "stdout"), "wb") as out, \

@@ -1,5 +1,6 @@
 """Builds that are asked to stop, by a signal to a rank or by a time limit, in every phase; builds whose scratch or input is
 not what it was; and builds that another one has overtaken."""
+import json
 import os
 import shutil
 import signal
@@ -231,6 +232,30 @@ class Stale(faults.FaultTest):
         with open(statue, "ab") as file:
             file.write(b" ")
         check(program.USAGE, ["input 1 is ", "bytes modified at", "repeat the command"], "--resume")
+
+    def test_scratch_of_other_sources_is_refused(self):
+        """A program whose name for its sources is another one: a copy, with that text changed."""
+        builder = self.builder("sources", [self.statue(2000)], SCHEMES["diamonds"])
+        reference = self.make_reference(builder)
+        self.assertTrue(reference)
+        report = self.path("report.json")
+        self.assertEqual(builder.run("--report", report, fault=Fault("5.task", 1, "after", "-9")).status, -signal.SIGKILL)
+        with open(report, encoding="utf-8") as file:
+            told = json.load(file)["program"]
+        self.assertIn(told["commit"], told["build"])
+        with open(program.PROGRAM, "rb") as file:
+            content = file.read()
+        self.assertEqual(content.count(told["build"].encode()), 1)
+        other = told["build"][:-4] + ("0000" if told["build"][-4:] != "0000" else "1111")
+        with open(self.path("colossus"), "wb") as file:
+            file.write(content.replace(told["build"].encode(), other.encode()))
+        os.chmod(self.path("colossus"), 0o755)
+        run = builder.run("--resume", program_file=self.path("colossus"))
+        self.assertEqual(run.status, program.USAGE, str(run))
+        self.assertEqual(len(run.errors), 1, str(run))
+        for text in builder.scratch, f"build is {told['build']} there, and {other} here", "repeat the command of that build, or remove":
+            self.assertIn(text, run.errors[0])
+        self.assert_resumes(builder, "by the program that began it")
 
     def test_a_resumed_build_keeps_scratch_that_is_of_use(self):
         statue = self.statue(2000)

@@ -11,6 +11,7 @@
 #include "core/version.hpp"
 #include "input/source.hpp"
 #include "pipeline/facts/option_table.hpp"
+#include "pipeline/run/build_id.hpp"
 
 namespace colossus::pipeline::run {
 namespace {
@@ -63,6 +64,7 @@ void check_unchanged(const std::vector<InputStamp>& before) {
 scratch::Manifest manifest_of(const facts::BuildOptions& options, const std::vector<InputStamp>& inputs) {
   scratch::Manifest manifest;
   manifest.add("program", core::release_version());
+  manifest.add("build", build_id());
   for (const container::NamedText& option : shaping_options(options)) manifest.add(option.name, option.value);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     manifest.add(fmt::format("input {}", i + 1),

@@ -29,7 +29,7 @@ std::vector<InputStamp> stamps_of_inputs(const facts::BuildOptions& options);
 // Throws Error(kBadData) that names the file, unless the inputs are as they were.
 void check_unchanged(const std::vector<InputStamp>& before);
 
-// All that shapes the content of scratch files: program, options, inputs.
+// All that shapes the content of scratch files: the program, down to its sources, options, inputs.
 scratch::Manifest manifest_of(const facts::BuildOptions& options, const std::vector<InputStamp>& inputs);
 
 }  // namespace colossus::pipeline::run

@@ -17,11 +17,18 @@
 #include "pipeline/facts/count_table.hpp"
 #include "pipeline/facts/level_table.hpp"
 #include "pipeline/facts/option_table.hpp"
+#include "pipeline/run/build_id.hpp"
 
 namespace colossus::pipeline::run {
 namespace {
 
 using nlohmann::ordered_json;
+
+#ifdef __clang__
+constexpr const char* kCompiler = __VERSION__;  // begins with its name
+#else
+constexpr const char* kCompiler = "g++ " __VERSION__;
+#endif
 
 constexpr std::chrono::seconds kLineInterval{30};
 constexpr std::chrono::seconds kStatusInterval{1};
@@ -253,8 +260,11 @@ std::string Reporter::report_json(const core::Error* failure) const {
   if (failure != nullptr && failure->status() == core::Status::kStopped) json["state"] = "stopped";
   json["exit_status"] = failure == nullptr ? 0 : static_cast<int>(failure->status());
   json["message"] = failure == nullptr ? "" : failure->what();
-  json["program"] = {
-      {"name", "colossus"}, {"version", core::release_version()}, {"compiler", "g++ " __VERSION__}};
+  json["program"] = {{"name", "colossus"},
+                     {"version", core::release_version()},
+                     {"commit", build_commit()},
+                     {"build", build_id()},
+                     {"compiler", kCompiler}};
   json["command"] = options_.command;
   std::error_code unknown;  // the folder may have been removed
   json["folder"] = std::filesystem::current_path(unknown).string();

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/error.hpp"
+#include "pipeline/run/build_id.hpp"
 #include "pipeline/run/inputs.hpp"
 
 namespace colossus::pipeline::facts {
@@ -61,6 +62,18 @@ TEST(OptionTable, WhatDoesNotShapeBytesMayDifferInTheNextAttempt) {
     EXPECT_EQ(manifest_with(options), before) << option.name;
   };
   for_each_run_option(expect_same);
+}
+
+TEST(OptionTable, TheManifestHoldsTheBuild) {
+  scratch::Manifest other = manifest_with({});
+  auto build = std::find_if(other.entries.begin(), other.entries.end(),
+                            [](const auto& entry) { return entry.first == "build"; });
+  ASSERT_NE(build, other.entries.end());
+  EXPECT_EQ(build->second, run::build_id());
+  EXPECT_NE(build->second.find(run::build_commit()), std::string::npos);
+  build->second = "commit none, sources 0";
+  EXPECT_EQ(manifest_with({}).difference_from(other),
+            fmt::format("build is commit none, sources 0 there, and {} here", run::build_id()));
 }
 
 TEST(OptionTable, TheContainerStoresWhatWasChosen) {
