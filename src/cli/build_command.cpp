@@ -11,17 +11,17 @@
 namespace colossus::cli {
 namespace {
 
-template <typename Table>
-std::string names_of(const Table& table) {
+std::string codec_names() {
   std::string names;
-  for (const auto& entry : table) names += fmt::format("{}{}", names.empty() ? "" : ", ", entry.name);
+  for (const codec::Codec& codec : codec::codecs())
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", codec.name);
   return names;
 }
 
 std::string help_of(const pipeline::facts::Option& option) {
   const std::string_view name = option.name;
-  if (name == "scheme") return fmt::format("{}: {}", option.help, names_of(pipeline::schemes()));
-  if (name == "codec") return fmt::format("{}: {}", option.help, names_of(codec::codecs()));
+  if (name == "scheme") return fmt::format("{}: {}", option.help, pipeline::schemes_text());
+  if (name == "codec") return fmt::format("{}: {}", option.help, codec_names());
   return option.scheme == nullptr ? option.help : fmt::format("Of {}: {}", option.scheme, option.help);
 }
 

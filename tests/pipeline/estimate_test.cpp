@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "codec/codec.hpp"
+#include "hierarchy/diamond.hpp"
+#include "hierarchy/octree.hpp"
 
 namespace colossus::pipeline {
 namespace {
@@ -60,7 +62,7 @@ TEST_P(Estimate, RefusesACodecThatNobodyHasMeasured) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfAnyScheme, Estimate,
-                         testing::Values(container::kSchemeDiamonds, container::kSchemeBlocks));
+                         testing::Values(hierarchy::kDiamonds, hierarchy::kBlocks));
 
 }  // namespace
 }  // namespace colossus::pipeline

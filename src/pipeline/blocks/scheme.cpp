@@ -92,7 +92,7 @@ facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,
   facts::BuildOptions chosen = workspace.options;
   chosen.block_size = settings.block_size;
   chosen.levels = grid.levels;
-  hierarchy.options = stored_options(chosen, container::kSchemeBlocks);
+  hierarchy.options = stored_options(chosen, hierarchy::kBlocks);
   return hierarchy;
 }
 

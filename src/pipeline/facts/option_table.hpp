@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "container/schema.hpp"
+#include "hierarchy/octree.hpp"
 #include "pipeline/facts/options.hpp"
 #include "pipeline/facts/stored.hpp"
 
@@ -39,7 +40,7 @@ constexpr void for_each_file_option(Visit visit) {
 template <typename Visit>
 constexpr void for_each_shaping_option(Visit visit) {
   using O = BuildOptions;
-  constexpr const char* kBlocks = container::kSchemeBlocks;
+  constexpr const char* kBlocks = hierarchy::kBlocks;
   visit(Option{"scheme", "The shape of nodes"}, &O::scheme);
   visit(
       Option{"leaf_triangles",

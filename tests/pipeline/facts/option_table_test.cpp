@@ -85,8 +85,8 @@ TEST(OptionTable, TheContainerStoresWhatWasChosen) {
   EXPECT_EQ(
       stored_options(options, nullptr),
       (Texts{{"leaf_triangles", "8000"}, {"position_bits", "9"}, {"codec", "predict"}, {"lenient", "true"}}));
-  EXPECT_EQ(stored_options(options, container::kSchemeBlocks), (Texts{{"block_size", "8"}}));
-  EXPECT_EQ(stored_options(options, container::kSchemeDiamonds), Texts{});
+  EXPECT_EQ(stored_options(options, hierarchy::kBlocks), (Texts{{"block_size", "8"}}));
+  EXPECT_EQ(stored_options(options, hierarchy::kDiamonds), Texts{});
 }
 
 TEST(OptionTable, OptionsOfAnotherSchemeAreRefused) {
