@@ -12,7 +12,7 @@ using core::Defect;
 constexpr std::uint8_t kNormalsFlag = 1;
 constexpr std::uint8_t kColorsFlag = 2;
 constexpr std::uint8_t kParentsFlag = 4;
-constexpr std::uint8_t kCubeFlag = 8;
+constexpr std::uint8_t kLatticeFlag = 8;
 constexpr std::uint8_t kAllFlags = 15;
 constexpr std::uint8_t kMaxPlaces = 8;
 constexpr std::size_t kChecksumBytes = sizeof(std::uint64_t);
@@ -55,9 +55,9 @@ void put_head(ByteWriter& writer, const coded::CodedNode& node, const Codec& cod
   writer.put(codec.id);
   writer.put(codec.version);
   writer.put(static_cast<std::uint8_t>(node.position_bits));
-  writer.put(
-      static_cast<std::uint8_t>((node.has_normals ? kNormalsFlag : 0) | (node.has_colors ? kColorsFlag : 0) |
-                                (node.has_parents ? kParentsFlag : 0) | (node.is_cube ? kCubeFlag : 0)));
+  writer.put(static_cast<std::uint8_t>(
+      (node.has_normals ? kNormalsFlag : 0) | (node.has_colors ? kColorsFlag : 0) |
+      (node.has_parents ? kParentsFlag : 0) | (node.is_on_lattice() ? kLatticeFlag : 0)));
   writer.put(static_cast<std::uint8_t>(node.parts.size()));
   for (const coded::CodedPart& part : node.parts) {
     // Place and frame in one number of four bytes.
@@ -65,7 +65,7 @@ void put_head(ByteWriter& writer, const coded::CodedNode& node, const Codec& cod
     writer.put(static_cast<std::uint32_t>(part.positions.size()));
     writer.put(static_cast<std::uint32_t>(part.triangles.size()));
   }
-  if (node.is_cube) writer.put(node.offset);
+  if (node.is_on_lattice()) writer.put(node.offset);
   for (const core::Bytes& section : sections) writer.put(static_cast<std::uint32_t>(section.size()));
 }
 
@@ -82,8 +82,9 @@ core::Result<Head> get_head(ByteReader& reader) {
   node.has_normals = (flags & kNormalsFlag) != 0;
   node.has_colors = (flags & kColorsFlag) != 0;
   node.has_parents = (flags & kParentsFlag) != 0;
-  node.is_cube = (flags & kCubeFlag) != 0;
-  if (node.is_cube ? count != 1 : count > kMaxPlaces) return Defect{"too many parts", 4};
+  node.position_kind =
+      (flags & kLatticeFlag) != 0 ? coded::PositionKind::kLattice : coded::PositionKind::kWeights;
+  if (node.is_on_lattice() ? count != 1 : count > kMaxPlaces) return Defect{"too many parts", 4};
   for (int i = 0; i < count; ++i) {
     const auto place_and_frame = reader.get<std::uint32_t>();
     const auto vertices = reader.get<std::uint32_t>();
@@ -98,10 +99,10 @@ core::Result<Head> get_head(ByteReader& reader) {
     node.parts.push_back(std::move(part));
     head.counts.push_back({vertices, triangles});
   }
-  if (node.is_cube) {
+  if (node.is_on_lattice()) {
     node.offset = reader.get<geometry::Point>();
     if (node.parts[0].place != 0 || node.parts[0].frame != coded::kIdentityFrame)
-      return Defect{"a cube has a place or a frame", 5};
+      return Defect{"positions on the lattice have a place or a frame", 5};
   }
   for (auto& bytes : head.section_bytes) bytes = reader.get<std::uint32_t>();
   if (reader.failed()) return Defect{"the payload's head is cut short", reader.offset()};

@@ -155,14 +155,14 @@ void weld(benchmark::State& state) {
 }
 BENCHMARK(weld)->Arg(kFewRings)->Unit(benchmark::kMillisecond);
 
-codec::coded::NodeMesh quantized(const mesh::Mesh& mesh) {
-  codec::coded::NodeMesh node;
+codec::coded::CodedNode quantized(const mesh::Mesh& mesh) {
+  codec::coded::CodedNode node;
+  node.position_bits = codec::coded::kDefaultPositionBits;
   node.has_normals = node.has_colors = true;
-  node.tetrahedra.push_back(
-      codec::quantization::quantize(mesh, bench::cell(), 0,
-                                    {node.position_bits, node.has_normals, node.has_colors})
-          .tetrahedron);
-  codec::put_in_order(node.tetrahedra[0], codec::codecs().front());
+  node.parts.push_back(codec::quantization::quantize(mesh, bench::cell(), 0,
+                                                     {node.position_bits, node.has_normals, node.has_colors})
+                           .tetrahedron);
+  codec::put_in_order(node.parts[0], codec::codecs().front());
   return node;
 }
 
@@ -175,7 +175,7 @@ BENCHMARK(quantize)->Arg(kFewRings)->Unit(benchmark::kMillisecond);
 
 void encode(benchmark::State& state) {
   const mesh::Mesh mesh = bench::torus(static_cast<std::uint32_t>(state.range(0)));
-  const codec::coded::NodeMesh node = quantized(mesh);
+  const codec::coded::CodedNode node = quantized(mesh);
   for (auto _ : state) benchmark::DoNotOptimize(codec::encode(node, codec::codecs().front()));
   count_triangles(state, mesh);
 }
@@ -184,20 +184,20 @@ BENCHMARK(encode)->Arg(kFewRings)->Unit(benchmark::kMillisecond);
 void decode(benchmark::State& state) {
   const mesh::Mesh mesh = bench::torus(static_cast<std::uint32_t>(state.range(0)));
   const core::Bytes bytes = codec::encode(quantized(mesh), codec::codecs().front()).bytes;
-  for (auto _ : state) benchmark::DoNotOptimize(codec::decode(bytes, {~0ULL, ~0ULL}));
+  for (auto _ : state) benchmark::DoNotOptimize(codec::decode_with_weights(bytes, {~0ULL, ~0ULL}));
   count_triangles(state, mesh);
 }
 BENCHMARK(decode)->Arg(kFewRings)->Unit(benchmark::kMillisecond);
 
 void pack_chunk(benchmark::State& state) {
   const mesh::Mesh mesh = bench::torus(static_cast<std::uint32_t>(state.range(0)));
-  const codec::coded::NodeMesh node = quantized(mesh);
+  const codec::coded::CodedNode node = quantized(mesh);
   const core::Bytes bytes = codec::encode(node, codec::codecs().front()).bytes;
   std::size_t packed = 0;
   for (auto _ : state) packed = container::pack_chunk(bytes).frame.size();
   count_triangles(state, mesh);
   state.counters["bits_per_vertex"] =
-      8.0 * static_cast<double>(packed) / static_cast<double>(node.tetrahedra[0].weights.size());
+      8.0 * static_cast<double>(packed) / static_cast<double>(node.parts[0].positions.size());
 }
 BENCHMARK(pack_chunk)->Arg(kFewRings)->Unit(benchmark::kMillisecond);
 

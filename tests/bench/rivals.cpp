@@ -110,7 +110,7 @@ constexpr int kNormalBits = 8;
 // Of equal root-mean-square error: errors of ours are uniform in cells spanned by the frame's rows, Draco's
 // in cubes.
 double draco_step(const CodedNode& node, const CodedPart& part) {
-  if (node.is_cube) return 1.0;
+  if (node.is_on_lattice()) return 1.0;
   double squares = 0.0;
   for (const auto& row : part.frame)
     for (const int entry : row) squares += entry * entry;

@@ -83,10 +83,10 @@ SeenCell unquantised(const Cell& cell) {
 }
 
 SeenCell quantised(const Cell& cell, int bits) {
-  const coded::QuantizedTetrahedron part =
+  const coded::CodedPart part =
       quantization::quantize(cell.mesh, cell.tetrahedron, 0, {bits, false, false}).tetrahedron;
-  SeenCell seen{cell.tetrahedron, {}, part.marks, part.triangles};
-  for (const coded::Weights& weights : part.weights)
+  SeenCell seen{cell.tetrahedron, {}, coded::marks_of(part.positions), part.triangles};
+  for (const coded::Weights& weights : part.positions)
     seen.positions.push_back(coded::scaled_position(weights, cell.tetrahedron));
   return seen;
 }

@@ -275,14 +275,15 @@ void expect_displacement_bounds_all(const mesh::Mesh& mesh, const Tetrahedron& t
   const auto groups = merged_groups(mesh, weights);
   // By group; several where something was kept apart.
   std::map<std::uint32_t, std::vector<std::size_t>> stored;
-  for (std::size_t i = 0; i < quantized.tetrahedron.weights.size(); ++i)
+  for (std::size_t i = 0; i < quantized.tetrahedron.positions.size(); ++i)
     stored[groups[number_of(quantized.tetrahedron.colors[i])]].push_back(i);
   double greatest = 0.0;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     double least = INFINITY;
     for (const std::size_t i : stored[groups[v]])
-      least = std::min(least, distance(decoded_position(quantized.tetrahedron.weights[i], tetrahedron, bits),
-                                       mesh.vertices[v].position));
+      least =
+          std::min(least, distance(decoded_position(quantized.tetrahedron.positions[i], tetrahedron, bits),
+                                   mesh.vertices[v].position));
     if (std::isfinite(least)) greatest = std::max(greatest, least);
   }
   EXPECT_GT(greatest, 0.0);
@@ -340,15 +341,15 @@ TEST(Quantize, MakesNoInnerEdgeNonManifold) {
     const double radius =
         std::ldexp(1.0, geometry::kRootBits - 2) * static_cast<double>(pick(random, 40, 80)) / 1000.0;
     const mesh::Mesh torus = noisy_torus(random, centroid(tetrahedron), radius, 32);
-    const coded::QuantizedTetrahedron stored =
+    const coded::CodedPart stored =
         quantization::quantize(torus, tetrahedron, 0, {8, false, false}).tetrahedron;
-    merged += torus.vertices.size() - stored.weights.size();
+    merged += torus.vertices.size() - stored.positions.size();
     std::map<coded::Weights, std::uint32_t> welded;
-    for (const coded::Weights& w : stored.weights)
+    for (const coded::Weights& w : stored.positions)
       welded.try_emplace(w, static_cast<std::uint32_t>(welded.size()));
     std::vector<Triangle> triangles = stored.triangles;
     for (Triangle& t : triangles)
-      for (auto& v : t) v = welded.at(stored.weights[v]);
+      for (auto& v : t) v = welded.at(stored.positions[v]);
     for (const mesh::Edge& edge : mesh::edges(triangles)) {
       EXPECT_FALSE(edge.is_nonmanifold());
       EXPECT_EQ(edge.forward, edge.backward);
@@ -370,7 +371,7 @@ std::vector<Point> spread_points(const Tetrahedron& tetrahedron) {
 }
 
 // Triangles by the numbers of the input's vertices, the smallest first.
-std::vector<Triangle> numbered_triangles(const coded::QuantizedTetrahedron& part) {
+std::vector<Triangle> numbered_triangles(const coded::CodedPart& part) {
   std::vector<Triangle> triangles;
   for (const Triangle& t : part.triangles) {
     Triangle n{number_of(part.colors[t[0]]), number_of(part.colors[t[1]]), number_of(part.colors[t[2]])};
@@ -401,11 +402,10 @@ TEST(Quantize, DropsWhatBecomesDegenerateAndMergesItsVertices) {
   // 5 falls onto 0 in the first triangle, so the second is that of 0 too; the third has what is left of the
   // first for an edge.
   const mesh::Mesh mesh = numbered_mesh(points, {{0, 5, 1}, {5, 2, 3}, {1, 0, 4}});
-  const coded::QuantizedTetrahedron part =
-      quantization::quantize(mesh, root, 3, {8, false, true}).tetrahedron;
+  const coded::CodedPart part = quantization::quantize(mesh, root, 3, {8, false, true}).tetrahedron;
   EXPECT_EQ(part.place, 3);
   EXPECT_EQ(numbered_triangles(part), (std::vector<Triangle>{{0, 2, 3}, {0, 4, 1}}));
-  EXPECT_EQ(part.weights.size(), 5U);
+  EXPECT_EQ(part.positions.size(), 5U);
 }
 
 TEST(Quantize, TrianglesUseVerticesInOrderOfFirstUse) {
@@ -415,8 +415,7 @@ TEST(Quantize, TrianglesUseVerticesInOrderOfFirstUse) {
   const Tetrahedron tetrahedron = random_tetrahedron(random, 6);
   mesh::Mesh torus = noisy_torus(random, centroid(tetrahedron), std::ldexp(1.0, 24), 30);
   torus.vertices.push_back(numbered_vertex(centroid(tetrahedron), 900));  // used by nothing
-  const coded::QuantizedTetrahedron part =
-      quantization::quantize(torus, tetrahedron, 1, {16, true, true}).tetrahedron;
+  const coded::CodedPart part = quantization::quantize(torus, tetrahedron, 1, {16, true, true}).tetrahedron;
   std::uint32_t next = 0;
   for (const Triangle& t : part.triangles)
     for (const auto v : t) {
@@ -424,20 +423,22 @@ TEST(Quantize, TrianglesUseVerticesInOrderOfFirstUse) {
       next += v == next ? 1 : 0;
     }
   EXPECT_EQ(next, 900U);
-  EXPECT_EQ(part.weights.size(), 900U);
+  EXPECT_EQ(part.positions.size(), 900U);
   EXPECT_EQ(part.normals.size(), 900U);
   std::vector<Triangle> expected = torus.triangles;
   for (Triangle& t : expected) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   std::sort(expected.begin(), expected.end());
   EXPECT_EQ(numbered_triangles(part), expected);
   const quantization::Barycentric barycentric(tetrahedron);
-  for (std::size_t i = 0; i < part.weights.size(); ++i) {
+  for (std::size_t i = 0; i < part.positions.size(); ++i) {
     const mesh::Vertex& vertex = torus.vertices[number_of(part.colors[i])];
-    EXPECT_EQ(part.weights[i], barycentric.weights(vertex.position, 16));
-    EXPECT_EQ(part.marks[i], coded::marks_of(part.weights[i]));
+    EXPECT_EQ(part.positions[i], barycentric.weights(vertex.position, 16));
   }
-  coded::NodeMesh node{16, true, true, {part}};
-  const auto decoded = decode(encode(node, codec_named("zstd")).bytes, {900, 1800});
+  coded::CodedNode node;
+  node.position_bits = 16;
+  node.has_normals = node.has_colors = true;
+  node.parts = {part};
+  const auto decoded = decode_with_weights(encode(node, codec_named("zstd")).bytes, {900, 1800});
   ASSERT_TRUE(decoded) << decoded.defect().message;
   EXPECT_EQ(decoded.value(), node);
 }

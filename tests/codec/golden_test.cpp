@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "codec/coded/renumber.hpp"
-#include "codec/cube_codec.hpp"
+#include "codec/coded/lattice_node.hpp"
+#include "codec/coded/weights.hpp"
 #include "codec/node_codec.hpp"
 #include "core/hash.hpp"
 
@@ -47,10 +47,12 @@ std::vector<Triangle> nasty_triangles() {
   return triangles;
 }
 
-coded::NodeMesh golden_node() {
-  coded::NodeMesh node{12, true, true, {}};
+coded::CodedNode golden_node() {
+  coded::CodedNode node;
+  node.position_bits = 12;
+  node.has_normals = node.has_colors = true;
   for (const std::uint8_t place : std::array<std::uint8_t, 2>{1, 4}) {
-    coded::QuantizedTetrahedron part;
+    coded::CodedPart part;
     part.place = place;
     part.frame = place == 1 ? coded::Frame{{{2, 0, 0}, {1, 1, 1}, {1, 1, -1}}}
                             : coded::Frame{{{1, 0, 0}, {1, 1, 0}, {1, 1, 1}}};
@@ -62,44 +64,37 @@ coded::NodeMesh golden_node() {
       coded::Weights w{x * 150, 200 + y * 170 + noise(v, 9) % 16U, 300U + noise(v, 10) % 8U, 0};
       if (v == 0) w[1] = 0;
       w[3] = 4096 - w[0] - w[1] - w[2];
-      part.weights.push_back(w);
-      part.marks.push_back(coded::marks_of(w));
+      part.positions.push_back(w);
       part.normals.push_back({static_cast<std::uint8_t>(120 + noise(v, 0) % 12), noise(v, 1)});
       part.colors.push_back({noise(v, 2), static_cast<std::uint8_t>(100 + x), noise(v, 3), 255});
     }
-    node.tetrahedra.push_back(std::move(part));
+    node.parts.push_back(std::move(part));
   }
   return node;
 }
 
-coded::CubeMesh golden_cube() {
-  coded::CubeMesh cube{true, true, true, {}, {}, {}, {}, {}};
+coded::CodedNode golden_cube() {
+  coded::CodedNode node = coded::lattice_node();
+  node.has_normals = node.has_colors = node.has_parents = true;
+  coded::CodedPart& cube = node.parts[0];
   cube.triangles = nasty_triangles();
+  std::vector<geometry::Point> positions;
   // The last three are used by no triangle.
   for (std::uint32_t v = 0; v < kVertices + 3; ++v) {
     const auto x = static_cast<std::int32_t>(v % kColumns);
     const auto y = static_cast<std::int32_t>(v / kColumns);
-    cube.positions.push_back({(1 << 20) + 1000 * x, -5000 + 900 * y + noise(v, 4), noise(v, 5)});
+    positions.push_back({(1 << 20) + 1000 * x, -5000 + 900 * y + noise(v, 4), noise(v, 5)});
     cube.normals.push_back({noise(v, 6), 255});
     cube.colors.push_back({static_cast<std::uint8_t>(3 * x), noise(v, 7), 9, noise(v, 8)});
     cube.parents.push_back(v / 3 + (v % 11 == 0 ? 100 : 0));
   }
-  return cube;
-}
-
-coded::NodeMesh in_order(coded::NodeMesh node, const Codec& codec) {
-  for (coded::QuantizedTetrahedron& part : node.tetrahedra) put_in_order(part, codec);
+  set_lattice_positions(node, positions);
   return node;
 }
 
-coded::CubeMesh in_order(coded::CubeMesh cube, const Codec& codec) {
-  codec.order(cube.triangles, cube.positions.size());
-  const auto before = coded::renumber_by_first_use(cube.triangles, cube.positions.size());
-  coded::permute(cube.positions, before);
-  coded::permute(cube.normals, before);
-  coded::permute(cube.colors, before);
-  coded::permute(cube.parents, before);
-  return cube;
+coded::CodedNode in_order(coded::CodedNode node, const Codec& codec) {
+  for (coded::CodedPart& part : node.parts) put_in_order(part, codec);
+  return node;
 }
 
 core::Bytes read_file(const std::filesystem::path& path) {
@@ -135,32 +130,32 @@ void expect_every_damage_is_refused(const core::Bytes& golden, Decode decode) {
 TEST(Golden, NodesOfEveryVersionDecodeToWhatTheyWereMadeOf) {
   for (const Codec& codec : codecs()) {
     SCOPED_TRACE(codec.name);
-    const coded::NodeMesh node = in_order(golden_node(), codec);
+    const coded::CodedNode node = in_order(golden_node(), codec);
     const core::Bytes now = encode(node, codec).bytes;
     const core::Bytes golden = golden_bytes(codec, "diamonds", now);
     ASSERT_FALSE(golden.empty());
     EXPECT_EQ(now, golden);
-    const auto decoded = decode(golden, kMost);
+    const auto decoded = decode_with_weights(golden, kMost);
     ASSERT_TRUE(decoded) << decoded.defect().message;
     EXPECT_TRUE(decoded.value() == node);
-    expect_every_damage_is_refused(golden,
-                                   [](std::span<const std::byte> b) { return decode(b, kMost).ok(); });
+    expect_every_damage_is_refused(
+        golden, [](std::span<const std::byte> b) { return decode_with_weights(b, kMost).ok(); });
   }
 }
 
 TEST(Golden, CubesOfEveryVersionDecodeToWhatTheyWereMadeOf) {
   for (const Codec& codec : codecs()) {
     SCOPED_TRACE(codec.name);
-    const coded::CubeMesh cube = in_order(golden_cube(), codec);
+    const coded::CodedNode cube = in_order(golden_cube(), codec);
     const core::Bytes now = encode(cube, codec).bytes;
     const core::Bytes golden = golden_bytes(codec, "blocks", now);
     ASSERT_FALSE(golden.empty());
     EXPECT_EQ(now, golden);
-    const auto decoded = decode_cube(golden, kMost);
+    const auto decoded = decode_on_lattice(golden, kMost);
     ASSERT_TRUE(decoded) << decoded.defect().message;
     EXPECT_TRUE(decoded.value() == cube);
-    expect_every_damage_is_refused(golden,
-                                   [](std::span<const std::byte> b) { return decode_cube(b, kMost).ok(); });
+    expect_every_damage_is_refused(
+        golden, [](std::span<const std::byte> b) { return decode_on_lattice(b, kMost).ok(); });
   }
 }
 
@@ -171,15 +166,15 @@ TEST(Golden, OldVersionsDecodeToWhatTheyWereMadeOf) {
     SCOPED_TRACE(testing::Message() << codec.name << " version " << int{codec.version});
     const Codec& present = codec_named(codec.name);
     const core::Bytes golden_diamonds = golden_bytes(codec, "diamonds", {});
-    const auto node = decode(golden_diamonds, kMost);
+    const auto node = decode_with_weights(golden_diamonds, kMost);
     ASSERT_TRUE(node) << node.defect().message;
     EXPECT_TRUE(node.value() == in_order(golden_node(), present));
     const core::Bytes golden_blocks = golden_bytes(codec, "blocks", {});
-    const auto cube = decode_cube(golden_blocks, kMost);
+    const auto cube = decode_on_lattice(golden_blocks, kMost);
     ASSERT_TRUE(cube) << cube.defect().message;
     EXPECT_TRUE(cube.value() == in_order(golden_cube(), present));
-    expect_every_damage_is_refused(golden_diamonds,
-                                   [](std::span<const std::byte> b) { return decode(b, kMost).ok(); });
+    expect_every_damage_is_refused(
+        golden_diamonds, [](std::span<const std::byte> b) { return decode_with_weights(b, kMost).ok(); });
   }
 }
 

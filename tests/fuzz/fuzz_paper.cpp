@@ -21,12 +21,12 @@ void expect(bool condition) {
 codec::coded::CodedNode blank_node(core::ByteReader& reader) {
   codec::coded::CodedNode node;
   const auto flags = reader.get<std::uint8_t>();
-  node.is_cube = (flags & 1) != 0;
+  if ((flags & 1) != 0) node.position_kind = codec::coded::PositionKind::kLattice;
   node.has_normals = (flags & 2) != 0;
   node.has_colors = (flags & 4) != 0;
   node.has_parents = (flags & 8) != 0;
   node.position_bits = reader.get<std::uint8_t>() % 33;
-  node.parts.resize(node.is_cube ? 1 : reader.get<std::uint8_t>() % 9);
+  node.parts.resize(node.is_on_lattice() ? 1 : reader.get<std::uint8_t>() % 9);
   for (codec::coded::CodedPart& part : node.parts) {
     const std::size_t n = reader.get<std::uint8_t>();
     part.positions.resize(n);

@@ -32,9 +32,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   node.has_normals = (flags & 1) != 0;
   node.has_colors = (flags & 2) != 0;
   node.has_parents = (flags & 4) != 0;
-  node.is_cube = (flags & 8) != 0;
+  if ((flags & 8) != 0) node.position_kind = codec::coded::PositionKind::kLattice;
   node.position_bits = reader.get<std::uint8_t>() % 33;
-  node.parts.resize(node.is_cube ? 1 : 1 + flags / 128);
+  node.parts.resize(node.is_on_lattice() ? 1 : 1 + flags / 128);
   for (codec::coded::CodedPart& part : node.parts) {
     const std::size_t vertices = reader.get<std::uint16_t>() % 128;
     part.positions.resize(vertices);
@@ -42,7 +42,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     part.colors.resize(node.has_colors ? vertices : 0);
     part.parents.resize(node.has_parents ? vertices : 0);
     part.triangles.resize(reader.get<std::uint16_t>() % 256);
-    if (!node.is_cube)
+    if (!node.is_on_lattice())
       for (auto& row : part.frame)
         for (auto& entry : row) entry = static_cast<std::int8_t>(reader.get<std::uint8_t>() % 5 - 2);
   }

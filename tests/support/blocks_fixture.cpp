@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "codec/cube_codec.hpp"
+#include "codec/coded/renumber.hpp"
+#include "codec/node_codec.hpp"
 #include "container/chunk.hpp"
 #include "container/writer.hpp"
 
@@ -20,7 +21,7 @@ using hierarchy::CubeId;
 constexpr std::array<double, 3> kOrigin{-3.25, 10.5, 0.125};
 
 // The vertices in order of first use, then the others, as they were.
-std::vector<std::uint32_t> order_of_use(const codec::coded::CubeMesh& mesh) {
+std::vector<std::uint32_t> order_of_use(const codec::coded::CodedPart& mesh) {
   std::vector<std::uint32_t> order;
   std::vector<bool> is_listed(mesh.positions.size());
   const auto add = [&](std::uint32_t v) {
@@ -34,23 +35,26 @@ std::vector<std::uint32_t> order_of_use(const codec::coded::CubeMesh& mesh) {
 }
 
 // Reorders the mesh; the parents of its children's vertices are not touched. Returns the new indices.
-std::vector<std::uint32_t> reorder(codec::coded::CubeMesh& mesh) {
+std::vector<std::uint32_t> put_in_order_of_use(codec::coded::CodedPart& mesh) {
   const std::vector<std::uint32_t> order = order_of_use(mesh);
-  const codec::coded::CubeMesh before = mesh;
   std::vector<std::uint32_t> renumbered(order.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) {
-    renumbered[order[i]] = i;
-    mesh.positions[i] = before.positions[order[i]];
-    if (mesh.has_normals) mesh.normals[i] = before.normals[order[i]];
-    if (mesh.has_colors) mesh.colors[i] = before.colors[order[i]];
-    if (mesh.has_parents) mesh.parents[i] = before.parents[order[i]];
-  }
+  for (std::uint32_t i = 0; i < order.size(); ++i) renumbered[order[i]] = i;
+  codec::coded::permute(mesh.positions, order);
+  codec::coded::permute(mesh.normals, order);
+  codec::coded::permute(mesh.colors, order);
+  codec::coded::permute(mesh.parents, order);
   for (mesh::Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t) v = renumbered[v];
   return renumbered;
 }
 
 }  // namespace
+
+void move_vertex(codec::coded::CodedNode& node, std::size_t vertex, const Point& to) {
+  std::vector<Point> positions = lattice_positions(node);
+  positions[vertex] = to;
+  set_lattice_positions(node, positions);
+}
 
 BlocksFixture::BlocksFixture(const WorldMesh& mesh, int deepest, double sigma0, int position_bits,
                              double root_side)
@@ -144,7 +148,7 @@ void BlocksFixture::build() {
       for (int octant = 0; octant < 8; ++octant)
         if (const auto child = finer.find(cube.child(octant)); child != finer.end())
           for (const std::uint32_t v : child->second)
-            nodes[child->first].mesh.parents.push_back(add(parents[v]));
+            nodes[child->first].mesh.parts[0].parents.push_back(add(parents[v]));
       add_cube(cube, list, local);
     }
     finer = std::move(lists);
@@ -165,13 +169,16 @@ void BlocksFixture::add_cube(const CubeId& cube, const std::vector<std::uint32_t
   FixtureCube& node = nodes[cube];
   node.mesh.has_normals = node.mesh.has_colors = true;
   node.mesh.has_parents = cube.level > 0;
-  node.mesh.triangles = triangles;
+  codec::coded::CodedPart& part = node.mesh.parts[0];
+  part.triangles = triangles;
+  std::vector<Point> positions;
   for (const std::uint32_t v : list) {
-    node.mesh.positions.push_back(points_[v]);
-    node.mesh.normals.push_back(geometry::encode_octahedral(
+    positions.push_back(points_[v]);
+    part.normals.push_back(geometry::encode_octahedral(
         geometry::to_normal16(points_[v].x - 4000.0, points_[v].y - 4000.0, points_[v].z - 4000.0)));
-    node.mesh.colors.push_back({static_cast<std::uint8_t>(v), static_cast<std::uint8_t>(v >> 8), 7, 255});
+    part.colors.push_back({static_cast<std::uint8_t>(v), static_cast<std::uint8_t>(v >> 8), 7, 255});
   }
+  set_lattice_positions(node.mesh, positions);
   node.row.tetra_mask = 1;
   node.row.flags = cube.level == deepest_ ? container::kNodeIsLeaf : 0;
   node.row.error = static_cast<double>(deepest_ + 1 - cube.level);
@@ -197,15 +204,15 @@ void BlocksFixture::describe() {
   EdgeMap finest;
   for (const auto& [cube, node] : nodes) {
     std::vector<ExactPosition> positions;
-    for (const Point& p : node.mesh.positions) positions.push_back({p.x, p.y, p.z});
+    for (const Point& p : lattice_positions(node.mesh)) positions.push_back({p.x, p.y, p.z});
     EdgeMap edges;
-    add_edges(edges, positions, node.mesh.triangles);
+    add_edges(edges, positions, node.mesh.parts[0].triangles);
     for (const auto& [ends, uses] : edges)
       inconsistent[static_cast<std::size_t>(cube.level)] += uses.is_inconsistent() ? 1 : 0;
     if (cube.level != deepest_) continue;
-    add_edges(finest, positions, node.mesh.triangles);
-    triangles += node.mesh.triangles.size();
-    area += area_of(positions, node.mesh.triangles);
+    add_edges(finest, positions, node.mesh.parts[0].triangles);
+    triangles += node.mesh.parts[0].triangles.size();
+    area += area_of(positions, node.mesh.parts[0].triangles);
   }
   for (const auto& [ends, uses] : finest) {
     border += uses.uses == 1 ? 1 : 0;
@@ -223,16 +230,16 @@ void BlocksFixture::measure_errors() {
   for (auto entry = nodes.rbegin(); entry != nodes.rend(); ++entry) {
     auto& [cube, node] = *entry;
     std::vector<verify::measure::WorldPoint> points;
-    for (const Point& p : node.mesh.positions) {
+    for (const Point& p : lattice_positions(node.mesh)) {
       verify::measure::WorldPoint world{};
       for (std::size_t axis = 0; axis < 3; ++axis)
         world[axis] = metadata.lattice.origin[axis] + metadata.lattice.step * p[static_cast<int>(axis)];
       points.push_back(world);
     }
     double error = metadata.lattice.step;
-    if (!node.mesh.triangles.empty())
+    if (!node.mesh.parts[0].triangles.empty())
       for (const verify::measure::WorldPoint& p :
-           verify::measure::sample_surface({points, node.mesh.triangles}, 5000, 7))
+           verify::measure::sample_surface({points, node.mesh.parts[0].triangles}, 5000, 7))
         error = std::max(error, 1.3 * index.nearest(p).distance);
     for (int octant = 0; octant < 8; ++octant)
       if (const auto child = nodes.find(cube.child(octant)); child != nodes.end())
@@ -246,20 +253,20 @@ void BlocksFixture::write() const {
   std::vector<core::Bytes> frames;
   std::map<CubeId, std::vector<std::uint32_t>> renumbered;  // by cube; parents come before their children
   for (const auto& [cube, node] : nodes) {
-    codec::coded::CubeMesh mesh = node.mesh;
+    codec::coded::CodedNode mesh = node.mesh;
     if (const auto found = renumbered.find(cube.parent()); found != renumbered.end())
-      for (std::uint32_t& parent : mesh.parents)
+      for (std::uint32_t& parent : mesh.parts[0].parents)
         if (parent < found->second.size()) parent = found->second[parent];
-    renumbered[cube] = reorder(mesh);
+    renumbered[cube] = put_in_order_of_use(mesh.parts[0]);
     container::NodeRow row = node.row;
     const Point center = cube.center(metadata.lattice.root_bits);
     row.level = static_cast<std::uint32_t>(cube.level);
     row.center = {center.x, center.y, center.z};
     if (!node.keeps_row) {
-      row.vertices = static_cast<std::uint32_t>(node.mesh.positions.size());
-      row.triangles = static_cast<std::uint32_t>(node.mesh.triangles.size());
+      row.vertices = static_cast<std::uint32_t>(node.mesh.parts[0].positions.size());
+      row.triangles = static_cast<std::uint32_t>(node.mesh.parts[0].triangles.size());
       geometry::Bounds bounds;
-      for (const Point& p : node.mesh.positions)
+      for (const Point& p : lattice_positions(node.mesh))
         bounds.add({metadata.lattice.origin[0] + metadata.lattice.step * p.x,
                     metadata.lattice.origin[1] + metadata.lattice.step * p.y,
                     metadata.lattice.origin[2] + metadata.lattice.step * p.z});

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "codec/coded/cube_mesh.hpp"
+#include "codec/coded/lattice_node.hpp"
 #include "container/schema.hpp"
 #include "hierarchy/octree.hpp"
 #include "reader/blocks/statue.hpp"
@@ -16,10 +16,13 @@
 namespace colossus::support {
 
 struct FixtureCube {
-  codec::coded::CubeMesh mesh;
+  codec::coded::CodedNode mesh = codec::coded::lattice_node();
   container::NodeRow row;  // counts and bounds are taken from the mesh when the fixture is written ...
   bool keeps_row = false;  // ... unless this is set
 };
+
+// Moves a vertex of a node on the lattice, whose offset and bits may change.
+void move_vertex(codec::coded::CodedNode& node, std::size_t vertex, const geometry::Point& to);
 
 class BlocksFixture {
  public:

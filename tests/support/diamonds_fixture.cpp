@@ -239,7 +239,7 @@ void StatueFixture::encode(const TetrahedronId& id, const Mesh& mesh) {
   FixtureNode& node = nodes[{static_cast<std::uint32_t>(hierarchy::level_of(id.center)), id.center}];
   node.mesh.position_bits = metadata.position_bits;
   node.mesh.has_normals = node.mesh.has_colors = true;
-  auto& parts = node.mesh.tetrahedra;
+  auto& parts = node.mesh.parts;
   parts.insert(
       std::find_if(parts.begin(), parts.end(), [&](const auto& part) { return part.place > id.place; }),
       std::move(quantized.tetrahedron));
@@ -267,11 +267,11 @@ void StatueFixture::describe(const WorldMesh& mesh) {
   std::uint64_t triangles = 0, border = 0, nonmanifold = 0;
   long double area = 0;
   for (const auto& [key, node] : nodes)
-    for (const auto& part : node.mesh.tetrahedra) {
+    for (const auto& part : node.mesh.parts) {
       const Tetrahedron t = Diamond::at(key.second).tetrahedra[part.place];
       std::vector<ExactPosition> positions;
       std::map<ExactPosition, codec::coded::Weights> weights;
-      for (const auto& w : part.weights) {
+      for (const auto& w : part.positions) {
         ExactPosition p{};
         for (std::size_t corner = 0; corner < 4; ++corner)
           for (int axis = 0; axis < 3; ++axis)
@@ -314,11 +314,11 @@ void StatueFixture::write() const {
       row.tetra_mask = 0;
       row.vertices = row.triangles = 0;
       geometry::Bounds bounds;
-      for (const auto& part : node.mesh.tetrahedra) {
+      for (const auto& part : node.mesh.parts) {
         row.tetra_mask = static_cast<std::uint8_t>(row.tetra_mask | 1U << part.place);
-        row.vertices += static_cast<std::uint32_t>(part.weights.size());
+        row.vertices += static_cast<std::uint32_t>(part.positions.size());
         row.triangles += static_cast<std::uint32_t>(part.triangles.size());
-        for (const auto& weights : part.weights) {
+        for (const auto& weights : part.positions) {
           const auto p = codec::coded::scaled_position(weights, diamond.tetrahedra[part.place]);
           const double scale = std::ldexp(1.0, -metadata.position_bits);
           bounds.add(lattice_.world({static_cast<double>(p[0]) * scale, static_cast<double>(p[1]) * scale,
@@ -349,19 +349,17 @@ std::unique_ptr<reader::diamonds::Statue> StatueFixture::open(const reader::acce
   return std::make_unique<reader::diamonds::Statue>(path_, options);
 }
 
-void reorder(codec::coded::QuantizedTetrahedron& part) {
-  const codec::coded::QuantizedTetrahedron before = part;
-  std::vector<std::uint32_t> renumbered(before.weights.size(), ~std::uint32_t{0});
-  part.weights.clear();
-  part.marks.clear();
+void reorder(codec::coded::CodedPart& part) {
+  const codec::coded::CodedPart before = part;
+  std::vector<std::uint32_t> renumbered(before.positions.size(), ~std::uint32_t{0});
+  part.positions.clear();
   part.normals.clear();
   part.colors.clear();
   for (auto& t : part.triangles)
     for (auto& v : t) {
       if (renumbered[v] == ~std::uint32_t{0}) {
-        renumbered[v] = static_cast<std::uint32_t>(part.weights.size());
-        part.weights.push_back(before.weights[v]);
-        part.marks.push_back(before.marks[v]);
+        renumbered[v] = static_cast<std::uint32_t>(part.positions.size());
+        part.positions.push_back(before.positions[v]);
         part.normals.push_back(before.normals[v]);
         part.colors.push_back(before.colors[v]);
       }

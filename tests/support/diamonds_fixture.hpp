@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 #include "container/schema.hpp"
 #include "geometry/lattice.hpp"
 #include "mesh/mesh.hpp"
@@ -33,7 +33,7 @@ WorldMesh torus(std::size_t columns, std::size_t rows);
 WorldMesh sphere(int rounds);
 
 struct FixtureNode {
-  codec::coded::NodeMesh mesh;
+  codec::coded::CodedNode mesh;
   container::NodeRow row;  // counts, bounds and mask are taken from the mesh when the fixture is written ...
   bool keeps_row = false;  // ... unless this is set
 };
@@ -73,7 +73,7 @@ class StatueFixture {
 };
 
 // Puts vertices in order of first use and drops unused ones, as the codec wants it after a change.
-void reorder(codec::coded::QuantizedTetrahedron& part);
+void reorder(codec::coded::CodedPart& part);
 
 // Sets a count or a measure by its name, for faults.
 void set_count(container::Metadata& metadata, const std::string& name, std::uint64_t value);

@@ -48,10 +48,12 @@ TEST(Against, FindsWhatAnInnerLevelOfDiamondsLacks) {
     if (key.first != 3 || (node.row.flags & container::kNodeIsLeaf) != 0) continue;
     // All triangles without a corner on a face.
     bool is_changed = false;
-    for (auto& part : node.mesh.tetrahedra) {
+    for (auto& part : node.mesh.parts) {
       const std::size_t before = part.triangles.size();
       std::erase_if(part.triangles, [&](const auto& t) {
-        return part.marks[t[0]] == 0 && part.marks[t[1]] == 0 && part.marks[t[2]] == 0;
+        return codec::coded::marks_of(part.positions[t[0]]) == 0 &&
+               codec::coded::marks_of(part.positions[t[1]]) == 0 &&
+               codec::coded::marks_of(part.positions[t[2]]) == 0;
       });
       is_changed = is_changed || part.triangles.size() < before;
       reorder(part);
@@ -73,10 +75,13 @@ TEST(Against, FindsOneTriangleThatTheFinestLevelLacks) {
     std::size_t seen = 0;
     for (auto& [key, node] : fixture.nodes) {
       if ((node.row.flags & container::kNodeIsLeaf) == 0) continue;
-      for (auto& part : node.mesh.tetrahedra)
+      for (auto& part : node.mesh.parts)
         for (std::size_t i = 0; i < part.triangles.size() && seen <= nth; ++i) {
           const auto& t = part.triangles[i];
-          if ((part.marks[t[0]] | part.marks[t[1]] | part.marks[t[2]]) != 0 || seen++ < nth) continue;
+          if ((codec::coded::marks_of(part.positions[t[0]]) | codec::coded::marks_of(part.positions[t[1]]) |
+               codec::coded::marks_of(part.positions[t[2]])) != 0 ||
+              seen++ < nth)
+            continue;
           part.triangles.erase(part.triangles.begin() + static_cast<std::ptrdiff_t>(i));
           reorder(part);
         }
@@ -125,8 +130,8 @@ TEST(Against, FindsWhatALevelOfBlocksLacks) {
     const measure::VerifyReport sound = verified_against(*fixture.open(), fixture.input);
     EXPECT_TRUE(sound.is_ok()) << to_text(sound);
     for (auto& [cube, node] : fixture.nodes)
-      if (cube.level == level && node.mesh.triangles.size() > 40) {
-        node.mesh.triangles.resize(node.mesh.triangles.size() / 2);
+      if (cube.level == level && node.mesh.parts[0].triangles.size() > 40) {
+        node.mesh.parts[0].triangles.resize(node.mesh.parts[0].triangles.size() / 2);
         break;
       }
     const measure::VerifyReport report = verified_against(*fixture.open(), fixture.input);
@@ -274,7 +279,7 @@ TEST(Against, DistancesOfBlocksNeitherOverflowNorVanish) {
     EXPECT_NEAR(report.greatest_ratio, expected.greatest_ratio, 1e-6);
     for (std::size_t i = 0; i < report.levels.size(); ++i)
       EXPECT_NEAR(report.levels[i].input_ratio, expected.levels[i].input_ratio, 1e-6);
-    fixture.nodes.at({}).mesh.triangles.resize(100);
+    fixture.nodes.at({}).mesh.parts[0].triangles.resize(100);
     EXPECT_GE(verified_against(*fixture.open(), fixture.input).count(measure::FindingKind::kInputDistance),
               1U);
   }

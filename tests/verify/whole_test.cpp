@@ -15,7 +15,7 @@ using blocks::verify;
 using diamonds::verify;
 namespace {
 
-using codec::coded::QuantizedTetrahedron;
+using codec::coded::CodedPart;
 
 void expect_only(const measure::VerifyReport& report, std::initializer_list<measure::FindingKind> kinds) {
   std::uint64_t sum = 0;
@@ -30,17 +30,19 @@ bool is_leaf(const FixtureNode& node) { return (node.row.flags & container::kNod
 
 // Some triangle of a leaf, or of an inner node, none of whose edges lies in a face.
 struct InnerTriangle {
-  QuantizedTetrahedron* part = nullptr;
+  CodedPart* part = nullptr;
   std::size_t triangle = 0;
   std::uint32_t level = 0;
 };
 InnerTriangle inner_triangle(StatueFixture& fixture, bool wants_leaf) {
   for (auto& [key, node] : fixture.nodes) {
     if (is_leaf(node) != wants_leaf || key.first < 3) continue;
-    for (QuantizedTetrahedron& part : node.mesh.tetrahedra)
+    for (CodedPart& part : node.mesh.parts)
       for (std::size_t i = 0; i < part.triangles.size(); ++i) {
         const auto& t = part.triangles[i];
-        if (part.marks[t[0]] == 0 && part.marks[t[1]] == 0 && part.marks[t[2]] == 0)
+        if (codec::coded::marks_of(part.positions[t[0]]) == 0 &&
+            codec::coded::marks_of(part.positions[t[1]]) == 0 &&
+            codec::coded::marks_of(part.positions[t[2]]) == 0)
           return {&part, i, key.first};
       }
   }
@@ -86,7 +88,7 @@ TEST(Whole, FindsALostTriangleOfACubeByCountBordersAndArea) {
   // Of one level, so that no map tells.
   BlocksFixture fixture(torus(128, 40), 0, 0.25, 13);
   allow_borders(fixture.metadata);
-  fixture.nodes.at({}).mesh.triangles.pop_back();
+  fixture.nodes.at({}).mesh.parts[0].triangles.pop_back();
   expect_only(verify(*fixture.open()),
               {measure::FindingKind::kCount, measure::FindingKind::kBorder, measure::FindingKind::kArea});
   count(fixture.metadata, "finest_triangles") -= 1;
@@ -184,7 +186,7 @@ TEST(Whole, FindsATriangleTurnedOverInADiamond) {
 
 TEST(Whole, FindsATriangleTurnedOverInACube) {
   BlocksFixture fixture(torus(128, 40), 0, 0.25, 13);
-  auto& triangles = fixture.nodes.at({}).mesh.triangles;
+  auto& triangles = fixture.nodes.at({}).mesh.parts[0].triangles;
   std::swap(triangles[7][0], triangles[7][1]);
   expect_only(verify(*fixture.open()), {measure::FindingKind::kOrientation});
 }
@@ -203,7 +205,7 @@ TEST(Whole, KnowsInconsistentEdgesOfTheInput) {
 // Opposite triangles over the same corners are surface, in both schemes.
 TEST(Whole, KeepsPairsOfOppositeTriangles) {
   BlocksFixture fixture(torus(128, 40), 0, 0.25, 13);
-  auto& triangles = fixture.nodes.at({}).mesh.triangles;
+  auto& triangles = fixture.nodes.at({}).mesh.parts[0].triangles;
   const std::size_t before = triangles.size();
   triangles.push_back({triangles[0][1], triangles[0][0], triangles[0][2]});
   const measure::VerifyReport report = verify(*fixture.open());

@@ -30,30 +30,41 @@ using Frame = std::array<std::array<std::int8_t, 3>, 3>;
 inline constexpr Frame kIdentityFrame{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 inline constexpr int kGreatestFrameEntry = 2;
 
-// One tetrahedron, or one cube. Vertex arrays have one entry per vertex, or none where the attribute is
-// absent; vertices are in order of first use by the triangles. Of a cube those that no triangle uses come
-// last, of a tetrahedron there are none.
+// What the coordinates of a position are.
+enum class PositionKind : std::uint8_t {
+  kWeights,  // those of four corners, which sum to 2^position_bits; see weights.hpp
+  kLattice,  // x, y and z below 2^position_bits, to be added to the node's offset, and a 0;
+             // see lattice_node.hpp
+};
+
+// Triangles with vertices of their own. Vertex arrays have one entry per vertex, or none where the attribute
+// is absent; as they are stored, vertices are in order of first use by the triangles. Only on the lattice
+// there may be some that no triangle uses; they come last.
 struct CodedPart {
-  std::uint8_t place = 0;  // of a tetrahedron in its diamond
+  std::uint8_t place = 0;  // which of the node's tetrahedra the weights are of
   Frame frame = kIdentityFrame;
-  // Of a tetrahedron weights, which sum to 2^position_bits; of a cube x, y and z below 2^position_bits, and
-  // 0.
   std::vector<Coordinates> positions;
   std::vector<OctahedralNormal> normals;
   std::vector<mesh::Color> colors;
-  std::vector<std::uint32_t> parents;
+  std::vector<std::uint32_t> parents;  // numbers of vertices of the parent node
   std::vector<mesh::Triangle> triangles;
+  friend bool operator==(const CodedPart&, const CodedPart&) = default;
 };
 
 struct CodedNode {
-  bool is_cube = false;  // one part with the identity as its frame; else tetrahedra by ascending place
+  PositionKind position_kind = PositionKind::kWeights;
   int position_bits = 0;
   bool has_normals = false;
   bool has_colors = false;
   bool has_parents = false;
-  geometry::Point offset;  // of a cube, to be added to its positions
-  std::vector<CodedPart> parts;
+  geometry::Point offset;        // of positions on the lattice
+  std::vector<CodedPart> parts;  // by ascending place; on the lattice one, at place 0 with the identity
+  bool is_on_lattice() const { return position_kind == PositionKind::kLattice; }
+  friend bool operator==(const CodedNode&, const CodedNode&) = default;
 };
+
+// With all that the node holds.
+std::size_t memory_bytes(const CodedNode& node);
 
 // One for each component, empty where there is nothing to say.
 using Sections = PerComponent<core::Bytes>;

@@ -1,6 +1,6 @@
 #include <numeric>
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec::coded {

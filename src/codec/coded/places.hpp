@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 
 namespace colossus::codec::coded {
 

@@ -25,9 +25,9 @@ struct Range {
 constexpr Range kByte{8, false};
 constexpr Range kChroma{9, true};
 
-// Weights can be 2^bits themselves, coordinates of cubes cannot.
+// Weights can be 2^bits themselves, coordinates on the lattice cannot.
 Range position_range(const coded::CodedNode& node) {
-  return {node.is_cube ? std::max(1, node.position_bits) : node.position_bits + 1, false};
+  return {node.is_on_lattice() ? std::max(1, node.position_bits) : node.position_bits + 1, false};
 }
 
 Range index_range(std::size_t count) {
@@ -126,7 +126,7 @@ void decode_positions(coded::CodedNode& node, entropy::RangeDecoder& decoder) {
   }
   const auto sum = static_cast<std::uint32_t>(std::uint64_t{1} << node.position_bits);
   for (coded::CodedPart& part : node.parts)
-    for (coded::Coordinates& p : part.positions) p[3] = node.is_cube ? 0 : sum - p[0] - p[1] - p[2];
+    for (coded::Coordinates& p : part.positions) p[3] = node.is_on_lattice() ? 0 : sum - p[0] - p[1] - p[2];
 }
 
 void encode_normals(const coded::CodedNode& node, entropy::RangeEncoder& encoder) {

@@ -18,12 +18,12 @@ PointPredictor::PointPredictor(const Basis& basis, const Links& links, const cod
     : basis_(basis),
       links_(links.of),
       kinds_(links.kinds),
-      is_cube_(node.is_cube),
+      has_weights_(!node.is_on_lattice()),
       one_(std::uint32_t{1} << (node.position_bits & 31)),
       shift_(std::max(0, node.position_bits - kPlaneBits)),
       points_(vertex_count),
       faces_(vertex_count) {
-  if (!is_cube_) prepare_faces();
+  if (has_weights_) prepare_faces();
 }
 
 void PointPredictor::prepare_faces() {
@@ -78,7 +78,7 @@ bool PointPredictor::set_weights(std::span<coded::Coordinates> weights) const {
       signs[j][i] = basis_.to_weights[i][j] < 0 ? kAll : 0;
       origin[i] -= signs[j][i];
     }
-  const Lanes last{0, 0, 0, is_cube_ ? 0 : kAll};
+  const Lanes last{0, 0, 0, has_weights_ ? kAll : 0};
   const Lanes one = Lanes{} + one_;
   Lanes outside{};
   for (std::size_t v = 0; v < weights.size(); ++v) {

@@ -154,7 +154,7 @@ class PointPredictor {
   PointPredictor(const Basis& basis, const Links& links, const coded::CodedNode& node,
                  std::size_t vertex_count);
 
-  bool may_be_on_face(std::uint32_t v) const { return !is_cube_ && is_border(kinds_[v]); }
+  bool may_be_on_face(std::uint32_t v) const { return has_weights_ && is_border(kinds_[v]); }
   // On which faces the neighbours that come before are; bits.
   std::uint32_t neighbor_faces(std::uint32_t v) const {
     const auto& neighbors = links_[v].neighbors;
@@ -294,7 +294,7 @@ class PointPredictor {
   const Basis& basis_;
   std::span<const VertexLinks> links_;
   std::span<const std::uint8_t> kinds_;
-  bool is_cube_;
+  bool has_weights_;
   std::uint32_t one_;
   int shift_;
   Buffer<Lanes> points_;

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 
 namespace colossus::codec::quantization {
 

@@ -135,15 +135,14 @@ Quantized quantize(mesh::Mesh mesh, const hierarchy::Tetrahedron& tetrahedron, s
     result.displacement =
         std::max(result.displacement, moved_by(weights[roots[v]], vertices[v].position, tetrahedron, scale));
   result.displacement += beyond;
-  coded::QuantizedTetrahedron& out = result.tetrahedron;
+  coded::CodedPart& out = result.tetrahedron;
   out.place = place;
   out.frame = coded::frame_of(tetrahedron);
   const std::vector<std::uint32_t> before = coded::renumber_by_first_use(triangles, vertices.size());
   const std::size_t used = coded::used_vertices(triangles, vertices.size());
   for (std::size_t i = 0; i < used; ++i) {
     const std::uint32_t v = before[i];
-    out.weights.push_back(weights[v]);
-    out.marks.push_back(coded::marks_of(weights[v]));
+    out.positions.push_back(weights[v]);
     if (options.normals) out.normals.push_back(geometry::encode_octahedral(vertices[v].normal));
     if (options.colors) out.colors.push_back(vertices[v].color);
   }

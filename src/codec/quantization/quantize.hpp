@@ -3,7 +3,7 @@
 // face get the same weights for the same point, with no case distinction.
 #pragma once
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 
 namespace colossus::codec::quantization {
 
@@ -25,7 +25,7 @@ class Barycentric {
 };
 
 struct Quantized {
-  coded::QuantizedTetrahedron tetrahedron;
+  coded::CodedPart tetrahedron;
   // Upper bound of the distance, in lattice units, by which storing moved the surface, in both directions:
   // the largest movement of a vertex, and how far the widest fin that was dropped reached.
   double displacement = 0.0;

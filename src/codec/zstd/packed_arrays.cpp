@@ -50,9 +50,9 @@ bool get_planes(ByteReader& reader, std::vector<std::array<std::uint8_t, kChanne
   return true;
 }
 
-// Weights can be 2^bits themselves, coordinates of cubes cannot.
+// Weights can be 2^bits themselves, coordinates on the lattice cannot.
 std::size_t position_bytes(const coded::CodedNode& node) {
-  return narrowest_bytes((std::uint64_t{1} << node.position_bits) - (node.is_cube ? 1 : 0));
+  return narrowest_bytes((std::uint64_t{1} << node.position_bits) - (node.is_on_lattice() ? 1 : 0));
 }
 
 bool get_positions(ByteReader& reader, const coded::CodedNode& node,
@@ -61,12 +61,12 @@ bool get_positions(ByteReader& reader, const coded::CodedNode& node,
   std::array<std::span<const std::byte>, 3> planes;
   for (auto& plane : planes) plane = reader.get_bytes(positions.size() * size);
   if (reader.failed()) return false;
-  const std::uint32_t one = 1U << (node.position_bits & 31);  // of cubes without meaning
+  const std::uint32_t one = 1U << (node.position_bits & 31);  // of weights alone
   with_type(size, [&]<typename T>(T) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
       coded::Coordinates& p = positions[i];
       for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = get_at<T>(planes[axis], i);
-      p[3] = node.is_cube ? 0 : one - p[0] - p[1] - p[2];
+      p[3] = node.is_on_lattice() ? 0 : one - p[0] - p[1] - p[2];
     }
   });
   return true;

@@ -4,7 +4,8 @@
 #include <limits>
 #include <unordered_set>
 
-#include "codec/cube_codec.hpp"
+#include "codec/coded/lattice_node.hpp"
+#include "codec/node_codec.hpp"
 #include "geometry/octahedral.hpp"
 #include "geometry/vector.hpp"
 #include "pipeline/blocks/scheme.hpp"
@@ -30,10 +31,10 @@ std::int64_t reach_of(int level) {
 }
 
 // Sum over the triangles, square units of the grid.
-double area_of(const codec::coded::CubeMesh& mesh) {
+double area_of(const std::vector<Point>& positions, const std::vector<mesh::Triangle>& triangles) {
   double doubled = 0.0;
-  for (const mesh::Triangle& t : mesh.triangles) {
-    const Point &p = mesh.positions[t[0]], &q = mesh.positions[t[1]], &r = mesh.positions[t[2]];
+  for (const mesh::Triangle& t : triangles) {
+    const Point &p = positions[t[0]], &q = positions[t[1]], &r = positions[t[2]];
     const geometry::Vec3 n = geometry::cross(geometry::to_vec3(q) - geometry::to_vec3(p),
                                              geometry::to_vec3(r) - geometry::to_vec3(p));
     doubled += geometry::length(n);
@@ -221,15 +222,18 @@ class Block {
   facts::FinishedNode encode_cube(const BlockCube& cube, const mesh::Mesh& mesh,
                                   std::span<const std::uint32_t> parents) {
     const Grid& grid = settings_.grid;
-    codec::coded::CubeMesh stored;
+    codec::coded::CodedNode stored = codec::coded::lattice_node();
+    codec::coded::CodedPart& part = stored.parts[0];
     stored.has_normals = true;
     stored.has_colors = settings_.has_colors;
     stored.has_parents = cube.record.id.level > 0;
-    stored.triangles = mesh.triangles;
+    part.triangles = mesh.triangles;
     const std::vector<std::uint32_t> order =
-        order_cube(stored.triangles, mesh.vertices.size(), *settings_.codec);
+        order_cube(part.triangles, mesh.vertices.size(), *settings_.codec);
     if (stored.has_parents)
-      for (const auto v : order) stored.parents.push_back(parents[v]);
+      for (const auto v : order) part.parents.push_back(parents[v]);
+    std::vector<Point> positions;
+    positions.reserve(order.size());
     Point low = cube.record.id.center(grid.root_bits()), high = low;
     bool is_first = true;
     for (const auto i : order) {
@@ -241,10 +245,11 @@ class Block {
         high[axis] = is_first ? p[axis] : std::max(high[axis], p[axis]);
       }
       is_first = false;
-      stored.positions.push_back(p);
-      stored.normals.push_back(geometry::encode_octahedral(v.normal));
-      if (settings_.has_colors) stored.colors.push_back(v.color);
+      positions.push_back(p);
+      part.normals.push_back(geometry::encode_octahedral(v.normal));
+      if (settings_.has_colors) part.colors.push_back(v.color);
     }
+    set_lattice_positions(stored, positions);
     facts::FinishedNode node;
     container::NodeRow& row = node.row;
     row.level = static_cast<std::uint32_t>(cube.record.id.level);
@@ -265,7 +270,7 @@ class Block {
     nodes::store_node(workspace_, codec, codec::encode(stored, codec), node);
     node.statistics.angles = simplify::count_small_angles(mesh);
     node.statistics.inconsistent_edges = cube.record.inconsistent_edges;
-    if (cube.record.id.level == grid.levels) node.area = area_of(stored);
+    if (cube.record.id.level == grid.levels) node.area = area_of(positions, part.triangles);
     node.displacement = settings_.input_error(cube.record.displacement);
     return node;
   }

@@ -68,8 +68,8 @@ std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamon
 // World bounds of what a reader decodes, in the reader's own arithmetic.
 class StoredBounds {
  public:
-  void add(const codec::coded::QuantizedTetrahedron& part, const hierarchy::Tetrahedron& tetrahedron) {
-    for (const codec::coded::Weights& w : part.weights) {
+  void add(const codec::coded::CodedPart& part, const hierarchy::Tetrahedron& tetrahedron) {
+    for (const codec::coded::Weights& w : part.positions) {
       const codec::coded::ScaledPosition p = codec::coded::scaled_position(w, tetrahedron);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         low_[axis] = std::min(low_[axis], p[axis]);
@@ -152,7 +152,7 @@ NodeResult build_node(const run::Workspace& workspace, const NodeSettings& setti
   row.level = static_cast<std::uint32_t>(diamond.level);
   row.center = {task.center.x, task.center.y, task.center.z};
   row.flags = task.is_leaf ? container::kNodeIsLeaf : 0;
-  codec::coded::NodeMesh mesh;
+  codec::coded::CodedNode mesh;
   mesh.position_bits = settings.quantize.position_bits;
   mesh.has_normals = settings.quantize.normals;
   mesh.has_colors = settings.quantize.colors;
@@ -178,11 +178,11 @@ NodeResult build_node(const run::Workspace& workspace, const NodeSettings& setti
     if (task.is_leaf && part.content.mesh.triangles.size() > settings.leaf_triangles)
       row.flags = static_cast<std::uint8_t>(row.flags | container::kNodeIsAboveLimit);
     row.tetra_mask = static_cast<std::uint8_t>(row.tetra_mask | 1U << part.place);
-    row.vertices += static_cast<std::uint32_t>(stored.tetrahedron.weights.size());
+    row.vertices += static_cast<std::uint32_t>(stored.tetrahedron.positions.size());
     row.triangles += static_cast<std::uint32_t>(stored.tetrahedron.triangles.size());
     bounds.add(stored.tetrahedron, tetrahedron);
     codec::put_in_order(stored.tetrahedron, *settings.codec);
-    mesh.tetrahedra.push_back(std::move(stored.tetrahedron));
+    mesh.parts.push_back(std::move(stored.tetrahedron));
   }
   row.error = std::max(deviation * settings.lattice.step + result.node.displacement + settings.input_error,
                        task.least_error);

@@ -13,9 +13,11 @@ namespace {
 
 using mesh::Triangle;
 
+using Marks = std::vector<std::uint8_t>;  // marks_of() the vertices
+
 // Of the triangles with three places, the edges one by one.
-PartCensus count_all(const codec::coded::QuantizedTetrahedron& part) {
-  const std::vector<std::uint32_t> welded = codec::coded::first_at_place(part.weights);
+PartCensus count_all(const codec::coded::CodedPart& part, const Marks& marks) {
+  const std::vector<std::uint32_t> welded = codec::coded::first_at_place(part.positions);
   std::vector<Triangle> triangles;
   triangles.reserve(part.triangles.size());
   for (const Triangle& t : part.triangles) {
@@ -28,7 +30,7 @@ PartCensus count_all(const codec::coded::QuantizedTetrahedron& part) {
       census.inconsistent_edges += edge.forward != edge.backward ? 1 : 0;
       continue;
     }
-    if ((part.marks[edge.a] & part.marks[edge.b]) != 0) continue;
+    if ((marks[edge.a] & marks[edge.b]) != 0) continue;
     ++(edge.is_border() ? census.border_edges : census.nonmanifold_edges);
   }
   return census;
@@ -50,14 +52,14 @@ std::uint64_t inconsistent_in_faces(std::vector<Triangle>& sides) {
 }
 
 // Whether an edge that lies in no face has two triangles in the same direction.
-bool has_repeated_edges(const codec::coded::QuantizedTetrahedron& part) {
+bool has_repeated_edges(const codec::coded::CodedPart& part, const Marks& marks) {
   constexpr std::uint64_t kFree = ~std::uint64_t{0};
   std::vector<std::uint64_t> table(std::bit_ceil(6 * part.triangles.size() + 1), kFree);
   const std::uint64_t mask = table.size() - 1;
   for (const Triangle& t : part.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[k == 2 ? 0 : k + 1];
-      if ((part.marks[a] & part.marks[b]) != 0) continue;
+      if ((marks[a] & marks[b]) != 0) continue;
       const std::uint64_t edge = std::uint64_t{a} << 32 | b;
       std::uint64_t i = core::mix64(edge) & mask;
       for (; table[i] != kFree; i = (i + 1) & mask)
@@ -70,31 +72,32 @@ bool has_repeated_edges(const codec::coded::QuantizedTetrahedron& part) {
 }  // namespace
 
 PartCensus take_census(const codec::quantization::Quantized& stored, bool is_finest) {
-  const codec::coded::QuantizedTetrahedron& part = stored.tetrahedron;
-  if (stored.has_shared_places) return count_all(part);
-  std::vector<std::uint64_t> random(part.weights.size());
+  const codec::coded::CodedPart& part = stored.tetrahedron;
+  const Marks marks = codec::coded::marks_of(part.positions);
+  if (stored.has_shared_places) return count_all(part, marks);
+  std::vector<std::uint64_t> random(part.positions.size());
   for (std::size_t v = 0; v < random.size(); ++v) random[v] = core::mix64(v + 0x9e3779b97f4a7c15ULL);
   unsigned __int128 sum = 0;
   std::vector<Triangle> in_faces;  // lesser end, greater end, 1 if the triangle has them in this order
   for (const Triangle& t : part.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[k == 2 ? 0 : k + 1];
-      if ((part.marks[a] & part.marks[b]) != 0) {
+      if ((marks[a] & marks[b]) != 0) {
         in_faces.push_back({std::min(a, b), std::max(a, b), a < b ? 1U : 0U});
         continue;
       }
       const auto weight = static_cast<unsigned __int128>(random[a]) * random[b];
       sum = a < b ? sum + weight : sum - weight;
     }
-  if (sum != 0 || (is_finest && has_repeated_edges(part))) return count_all(part);
+  if (sum != 0 || (is_finest && has_repeated_edges(part, marks))) return count_all(part, marks);
   return {inconsistent_in_faces(in_faces), 0, 0};
 }
 
-double area_of(const codec::coded::QuantizedTetrahedron& part, const hierarchy::Tetrahedron& tetrahedron,
+double area_of(const codec::coded::CodedPart& part, const hierarchy::Tetrahedron& tetrahedron,
                int position_bits) {
   std::vector<std::array<double, 3>> points;
-  points.reserve(part.weights.size());
-  for (const codec::coded::Weights& weights : part.weights) {
+  points.reserve(part.positions.size());
+  for (const codec::coded::Weights& weights : part.positions) {
     const codec::coded::ScaledPosition p = codec::coded::scaled_position(weights, tetrahedron);
     points.push_back({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
   }

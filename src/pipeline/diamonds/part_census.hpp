@@ -21,7 +21,7 @@ struct PartCensus {
 PartCensus take_census(const codec::quantization::Quantized& stored, bool is_finest);
 
 // Sum over the triangles, square lattice units.
-double area_of(const codec::coded::QuantizedTetrahedron& part, const hierarchy::Tetrahedron& tetrahedron,
+double area_of(const codec::coded::CodedPart& part, const hierarchy::Tetrahedron& tetrahedron,
                int position_bits);
 
 }  // namespace colossus::pipeline::diamonds

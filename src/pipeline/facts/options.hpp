@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "codec/codec.hpp"
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 
 namespace colossus::pipeline::facts {
 

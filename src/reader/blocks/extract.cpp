@@ -18,7 +18,7 @@ constexpr std::size_t kBatch = 64;  // nodes decoded at a time
 // A cube as it is drawn.
 struct DrawnCube {
   std::vector<Position> positions;  // world
-  codec::coded::CubeMesh mesh;      // its positions are where they were, its attributes as drawn
+  codec::coded::CodedNode node;     // its positions are where they were, its attributes as drawn
 };
 
 Position blend(const geometry::Point& own, const geometry::Point& parent, double lambda) {
@@ -46,32 +46,36 @@ mesh::Color blend(const mesh::Color& own, const mesh::Color& parent, double lamb
 }
 
 // Draws vertex i between itself and its parent in `coarser`.
-void morph_vertex(const CubeStatue& statue, const codec::coded::CubeMesh& coarser, std::size_t i,
+void morph_vertex(const CubeStatue& statue, const codec::coded::CodedNode& coarser, std::size_t i,
                   double lambda, DrawnCube& drawn) {
-  codec::coded::CubeMesh& mesh = drawn.mesh;
+  codec::coded::CodedPart& mesh = drawn.node.parts[0];
+  const codec::coded::CodedPart& parents = coarser.parts[0];
   const std::uint32_t parent = mesh.parents[i];
+  const geometry::Point own_place = lattice_position(drawn.node, i);
+  const geometry::Point parent_place = lattice_position(coarser, parent);
   // At the end of the way nothing is computed: whoever draws the parent itself must get the same bits.
-  drawn.positions[i] = lambda > 0.0
-                           ? statue.world(blend(mesh.positions[i], coarser.positions[parent], lambda))
-                           : statue.world(coarser.positions[parent]);
-  if (mesh.has_normals)
+  drawn.positions[i] =
+      lambda > 0.0 ? statue.world(blend(own_place, parent_place, lambda)) : statue.world(parent_place);
+  if (drawn.node.has_normals)
     mesh.normals[i] =
-        lambda > 0.0 ? blend(mesh.normals[i], coarser.normals[parent], lambda) : coarser.normals[parent];
-  if (mesh.has_colors)
+        lambda > 0.0 ? blend(mesh.normals[i], parents.normals[parent], lambda) : parents.normals[parent];
+  if (drawn.node.has_colors)
     mesh.colors[i] =
-        lambda > 0.0 ? blend(mesh.colors[i], coarser.colors[parent], lambda) : coarser.colors[parent];
+        lambda > 0.0 ? blend(mesh.colors[i], parents.colors[parent], lambda) : parents.colors[parent];
 }
 
 DrawnCube draw(const CubeStatue& statue, const CubeCut& cut, access::RowIndex row) {
   DrawnCube drawn{{}, statue.load(row)};
-  const std::size_t count = drawn.mesh.positions.size();
+  const codec::coded::CodedPart& mesh = drawn.node.parts[0];
+  const std::size_t count = mesh.positions.size();
   drawn.positions.resize(count);
   const int level = statue.cube(row).level;
-  std::shared_ptr<const codec::coded::CubeMesh> coarser;
+  std::shared_ptr<const codec::coded::CodedNode> coarser;
   for (std::size_t i = 0; i < count; ++i) {
-    const double lambda = cut.morph ? cut.morph->lambda(drawn.mesh.positions[i], level) : 1.0;
+    const geometry::Point place = lattice_position(drawn.node, i);
+    const double lambda = cut.morph ? cut.morph->lambda(place, level) : 1.0;
     if (lambda == 1.0) {
-      drawn.positions[i] = statue.world(drawn.mesh.positions[i]);
+      drawn.positions[i] = statue.world(place);
       continue;
     }
     if (!coarser) {
@@ -81,17 +85,17 @@ DrawnCube draw(const CubeStatue& statue, const CubeCut& cut, access::RowIndex ro
                    statue.container().path().string(), statue.name(row));
       coarser = statue.node(parent);
     }
-    if (drawn.mesh.parents[i] >= coarser->positions.size())
+    if (mesh.parents[i] >= coarser->parts[0].positions.size())
       core::fail(core::Status::kBadData, "{}: node at {}: vertex {} has parent {} of {}",
-                 statue.container().path().string(), statue.name(row), i, drawn.mesh.parents[i],
-                 coarser->positions.size());
+                 statue.container().path().string(), statue.name(row), i, mesh.parents[i],
+                 coarser->parts[0].positions.size());
     morph_vertex(statue, *coarser, i, lambda, drawn);
   }
   return drawn;
 }
 
 void append(const DrawnCube& drawn, access::CutMesh& mesh) {
-  const codec::coded::CubeMesh& cube = drawn.mesh;
+  const codec::coded::CodedPart& cube = drawn.node.parts[0];
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());
   for (const Position& p : drawn.positions) mesh.add_position(p);
   mesh.normals.insert(mesh.normals.end(), cube.normals.begin(), cube.normals.end());

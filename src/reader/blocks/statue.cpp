@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "codec/cube_codec.hpp"
+#include "codec/node_codec.hpp"
 #include "core/error.hpp"
 
 namespace colossus::reader::blocks {
@@ -19,12 +19,6 @@ double parameter(const access::StatueFile& statue, const std::string& name) {
     if (parameter.name == name) return parameter.value;
   core::fail(Status::kBadData, "{}: the parameter \"{}\" is missing", statue.container().path().string(),
              name);
-}
-
-std::size_t memory_bytes(const codec::coded::CubeMesh& mesh) {
-  return sizeof(mesh) + mesh.positions.size() * sizeof(geometry::Point) + mesh.normals.size() * 2 +
-         mesh.colors.size() * sizeof(mesh::Color) + mesh.parents.size() * sizeof(std::uint32_t) +
-         mesh.triangles.size() * sizeof(mesh::Triangle);
 }
 
 }  // namespace
@@ -96,34 +90,38 @@ RowRange CubeStatue::rows_of_level(std::uint32_t level) const {
           static_cast<access::RowIndex>(last - rows().begin())};
 }
 
-codec::coded::CubeMesh CubeStatue::load(access::RowIndex index) const {
+codec::coded::CodedNode CubeStatue::load(access::RowIndex index) const {
   const NodeRow& row = rows()[index];
   const auto payload = container().read_payload(index);
   // The container's defects name file and node themselves.
   if (!payload) core::fail(Status::kBadData, "{}", payload.defect().message);
-  auto decoded = codec::decode_cube(payload.value(), {row.vertices, row.triangles});
+  auto decoded = codec::decode_on_lattice(payload.value(), {row.vertices, row.triangles});
   if (!decoded)
     fail_node(index,
               fmt::format("{} (byte {} of the payload)", decoded.defect().message, decoded.defect().offset));
-  codec::coded::CubeMesh mesh = std::move(decoded).value();
-  if (mesh.has_normals != metadata().has_normals || mesh.has_colors != metadata().has_colors)
+  codec::coded::CodedNode& node = decoded.value();
+  const codec::coded::CodedPart& mesh = node.parts[0];
+  if (node.has_normals != metadata().has_normals || node.has_colors != metadata().has_colors)
     fail_node(index, "its attributes are not those of the container");
-  if (mesh.has_parents != (row.level > 0))
-    fail_node(index, mesh.has_parents ? "its vertices have parents" : "its vertices have no parents");
+  if (node.has_parents != (row.level > 0))
+    fail_node(index, node.has_parents ? "its vertices have parents" : "its vertices have no parents");
   if (mesh.positions.size() != row.vertices || mesh.triangles.size() != row.triangles)
     fail_node(index, fmt::format("it holds {} vertices and {} triangles; its row says {} and {}",
                                  mesh.positions.size(), mesh.triangles.size(), row.vertices, row.triangles));
   const std::int64_t side = std::int64_t{1} << root_bits();
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const geometry::Point p = codec::coded::lattice_position(node, i);
     for (int axis = 0; axis < 3; ++axis)
-      if (const std::int32_t c = mesh.positions[i][axis]; c < 0 || c > side)
-        fail_node(index, fmt::format("vertex {} is at {} on axis {}, outside the root cube", i, c, axis));
-  return mesh;
+      if (p[axis] < 0 || p[axis] > side)
+        fail_node(index,
+                  fmt::format("vertex {} is at {} on axis {}, outside the root cube", i, p[axis], axis));
+  }
+  return std::move(node);
 }
 
-std::shared_ptr<const codec::coded::CubeMesh> CubeStatue::node(access::RowIndex row) const {
+std::shared_ptr<const codec::coded::CodedNode> CubeStatue::node(access::RowIndex row) const {
   return cache_.get(
-      row, [&] { return load(row); }, memory_bytes);
+      row, [&] { return load(row); }, codec::coded::memory_bytes);
 }
 
 }  // namespace colossus::reader::blocks

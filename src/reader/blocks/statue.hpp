@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "codec/coded/cube_mesh.hpp"
+#include "codec/coded/lattice_node.hpp"
 #include "hierarchy/octree.hpp"
 #include "reader/access/node_cache.hpp"
 #include "reader/access/statue_file.hpp"
@@ -60,9 +60,9 @@ class CubeStatue final : public access::StatueFile {
   // are damaged or are not what the row and the metadata say (attributes, parents, counts, positions within
   // the root cube), Error(kIo) when the device fails. That parents are in range is checked by who has the
   // parent. Keeps nothing. Thread-safe.
-  codec::coded::CubeMesh load(access::RowIndex row) const;
+  codec::coded::CodedNode load(access::RowIndex row) const;
   // The same through the cache. Thread-safe.
-  std::shared_ptr<const codec::coded::CubeMesh> node(access::RowIndex row) const;
+  std::shared_ptr<const codec::coded::CodedNode> node(access::RowIndex row) const;
 
   // The world position of one on the lattice; the only rounding is that of the last addition where the step
   // is a power of two.
@@ -82,7 +82,7 @@ class CubeStatue final : public access::StatueFile {
  private:
   double sigma0_ = 0.0;
   int block_size_ = 0;
-  mutable access::NodeCache<codec::coded::CubeMesh> cache_;
+  mutable access::NodeCache<codec::coded::CodedNode> cache_;
 };
 
 }  // namespace colossus::reader::blocks

@@ -13,13 +13,13 @@ constexpr std::size_t kBatch = 64;  // nodes decoded at a time
 struct LoadedNode {
   Node node;
   std::vector<WeldedTetrahedron> welded;  // one per active tetrahedron
-  std::vector<std::size_t> parts;         // ... and its index in node.mesh.tetrahedra
+  std::vector<std::size_t> parts;         // ... and its index in node.mesh.parts
 };
 
 LoadedNode load_active(const Statue& statue, const Cut& cut, access::RowIndex row) {
   LoadedNode loaded{statue.load(row), {}, {}};
   const std::uint8_t places = cut.active_places(statue, row);
-  const auto& parts = loaded.node.mesh.tetrahedra;
+  const auto& parts = loaded.node.mesh.parts;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if ((places >> parts[i].place & 1) == 0) continue;
     loaded.welded.push_back(weld_positions(parts[i], loaded.node.diamond.tetrahedra[parts[i].place]));
@@ -34,12 +34,12 @@ class Assembler {
 
   void add(const LoadedNode& loaded) {
     for (std::size_t i = 0; i < loaded.welded.size(); ++i)
-      add(loaded.welded[i], loaded.node.mesh.tetrahedra[loaded.parts[i]]);
+      add(loaded.welded[i], loaded.node.mesh.parts[loaded.parts[i]]);
   }
   access::CutMesh take() { return std::move(mesh_); }
 
  private:
-  void add(const WeldedTetrahedron& welded, const codec::coded::QuantizedTetrahedron& part) {
+  void add(const WeldedTetrahedron& welded, const codec::coded::CodedPart& part) {
     std::vector<std::uint32_t> numbers(welded.positions.size());
     for (std::size_t i = 0; i < welded.positions.size(); ++i) numbers[i] = add_vertex(welded, part, i);
     for (const mesh::Triangle& t : welded.triangles)
@@ -47,7 +47,7 @@ class Assembler {
     mesh_.stored_triangles += part.triangles.size();
   }
 
-  std::uint32_t add_vertex(const WeldedTetrahedron& welded, const codec::coded::QuantizedTetrahedron& part,
+  std::uint32_t add_vertex(const WeldedTetrahedron& welded, const codec::coded::CodedPart& part,
                            std::size_t i) {
     if (!part.normals.empty()) mesh_.normals.push_back(part.normals[welded.sources[i]]);
     if (!part.colors.empty()) mesh_.colors.push_back(part.colors[welded.sources[i]]);

@@ -14,15 +14,6 @@ using core::Status;
 using hierarchy::Diamond;
 using hierarchy::Point;
 
-std::size_t Node::memory_bytes() const {
-  std::size_t bytes = sizeof(Node);
-  for (const auto& part : mesh.tetrahedra)
-    bytes += sizeof(part) + part.weights.size() * sizeof(codec::coded::Weights) + part.marks.size() +
-             part.normals.size() * 2 + part.colors.size() * sizeof(mesh::Color) +
-             part.triangles.size() * sizeof(mesh::Triangle);
-  return bytes;
-}
-
 Statue::Statue(const std::filesystem::path& path, const access::StatueOptions& options)
     : Statue(container::ContainerReader(path), options) {}
 
@@ -127,12 +118,12 @@ Node Statue::load(access::RowIndex index) const {
   const auto payload = container().read_payload(index);
   // The container's defects name file and node themselves.
   if (!payload) core::fail(Status::kBadData, "{}", payload.defect().message);
-  auto decoded = codec::decode(payload.value(), {row.vertices, row.triangles});
+  auto decoded = codec::decode_with_weights(payload.value(), {row.vertices, row.triangles});
   if (!decoded)
     fail_node(index,
               fmt::format("{} (byte {} of the payload)", decoded.defect().message, decoded.defect().offset));
   Node node{Diamond::at(center(index)), std::move(decoded).value()};
-  const codec::coded::NodeMesh& mesh = node.mesh;
+  const codec::coded::CodedNode& mesh = node.mesh;
   if (mesh.position_bits != metadata().position_bits)
     fail_node(index, fmt::format("it has {} position bits; the container says {}", mesh.position_bits,
                                  metadata().position_bits));
@@ -140,17 +131,17 @@ Node Statue::load(access::RowIndex index) const {
     fail_node(index, "its attributes are not those of the container");
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
-  for (const auto& part : mesh.tetrahedra) {
+  for (const auto& part : mesh.parts) {
     // The mask's places are inside the root cube: check_row().
     if ((row.tetra_mask >> part.place & 1) == 0)
       fail_node(index, fmt::format("it holds place {}, which its row's mask {:#04x} does not have",
                                    part.place, row.tetra_mask));
-    vertices += part.weights.size();
+    vertices += part.positions.size();
     triangles += part.triangles.size();
   }
-  if (std::popcount(row.tetra_mask) != static_cast<int>(mesh.tetrahedra.size()))
-    fail_node(index, fmt::format("it holds {} tetrahedra; its row's mask {:#04x} has {}",
-                                 mesh.tetrahedra.size(), row.tetra_mask, std::popcount(row.tetra_mask)));
+  if (std::popcount(row.tetra_mask) != static_cast<int>(mesh.parts.size()))
+    fail_node(index, fmt::format("it holds {} tetrahedra; its row's mask {:#04x} has {}", mesh.parts.size(),
+                                 row.tetra_mask, std::popcount(row.tetra_mask)));
   if (vertices != row.vertices || triangles != row.triangles)
     fail_node(index, fmt::format("it holds {} vertices and {} triangles; its row says {} and {}", vertices,
                                  triangles, row.vertices, row.triangles));
@@ -174,7 +165,7 @@ std::array<std::uint32_t, kMaxPlaces> Statue::triangle_counts(access::RowIndex r
     if (const auto found = counts_.find(row); found != counts_.end()) return found->second;
   }
   const auto decoded = node(row);
-  for (const auto& part : decoded->mesh.tetrahedra)
+  for (const auto& part : decoded->mesh.parts)
     counts[part.place] = static_cast<std::uint32_t>(part.triangles.size());
   const std::lock_guard lock(counts_mutex_);
   counts_.emplace(row, counts);

@@ -13,7 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 #include "container/reader.hpp"
 #include "geometry/lattice.hpp"
 #include "hierarchy/diamond.hpp"
@@ -32,11 +32,11 @@ struct TetrahedronRef {
   friend auto operator<=>(const TetrahedronRef&, const TetrahedronRef&) = default;
 };
 
-// A decoded node: for each entry of mesh.tetrahedra the corners are diamond.tetrahedra[place].
+// A decoded node: for each entry of mesh.parts the corners are diamond.tetrahedra[place].
 struct Node {
   hierarchy::Diamond diamond;
-  codec::coded::NodeMesh mesh;
-  std::size_t memory_bytes() const;
+  codec::coded::CodedNode mesh;
+  std::size_t memory_bytes() const { return sizeof(diamond) + codec::coded::memory_bytes(mesh); }
 };
 
 class Statue final : public access::StatueFile {

@@ -28,19 +28,16 @@ std::vector<std::uint32_t> first_with_same_weights(const std::vector<codec::code
 
 }  // namespace
 
-WeldedTetrahedron weld_positions(const codec::coded::QuantizedTetrahedron& part,
+WeldedTetrahedron weld_positions(const codec::coded::CodedPart& part,
                                  const hierarchy::Tetrahedron& tetrahedron) {
-  const std::vector<std::uint32_t> first = first_with_same_weights(part.weights);
+  const std::vector<std::uint32_t> first = first_with_same_weights(part.positions);
   WeldedTetrahedron welded;
-  std::vector<std::uint32_t> renumbered(part.weights.size(), kNone);
-  for (std::uint32_t i = 0; i < part.weights.size(); ++i) {
+  std::vector<std::uint32_t> renumbered(part.positions.size(), kNone);
+  for (std::uint32_t i = 0; i < part.positions.size(); ++i) {
     if (first[i] != i) continue;
     renumbered[i] = static_cast<std::uint32_t>(welded.positions.size());
-    welded.positions.push_back(codec::coded::scaled_position(part.weights[i], tetrahedron));
-    std::uint8_t zeros = 0;
-    for (std::size_t corner = 0; corner < 4; ++corner)
-      if (part.weights[i][corner] == 0) zeros = static_cast<std::uint8_t>(zeros | 1U << corner);
-    welded.zero_weights.push_back(zeros);
+    welded.positions.push_back(codec::coded::scaled_position(part.positions[i], tetrahedron));
+    welded.zero_weights.push_back(codec::coded::marks_of(part.positions[i]));
     welded.sources.push_back(i);
   }
   welded.triangles.reserve(part.triangles.size());

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 
 namespace colossus::reader::diamonds {
 
@@ -23,7 +23,7 @@ struct WeldedTetrahedron {
 };
 
 // n log n.
-WeldedTetrahedron weld_positions(const codec::coded::QuantizedTetrahedron& part,
+WeldedTetrahedron weld_positions(const codec::coded::CodedPart& part,
                                  const hierarchy::Tetrahedron& tetrahedron);
 
 }  // namespace colossus::reader::diamonds

@@ -11,7 +11,6 @@
 namespace colossus::verify::blocks {
 namespace {
 
-using codec::coded::CubeMesh;
 using geometry::Point;
 using hierarchy::CubeId;
 
@@ -36,12 +35,12 @@ class CubeChecker {
 
   CubeReport run() {
     check_rows();
-    const auto mesh = load(row_);
+    auto mesh = load(row_);
     if (mesh) {
-      report_.mesh = *mesh;
+      report_.mesh = *std::move(mesh);
       check_own();
     }
-    check_children(mesh.has_value());
+    check_children(!report_.is_damaged);
     return std::move(report_);
   }
 
@@ -51,9 +50,9 @@ class CubeChecker {
   }
 
   // Nothing when it is damaged, which is a finding of its own row only.
-  std::optional<CubeMesh> load(reader::access::RowIndex row) {
+  std::optional<CheckedMesh> load(reader::access::RowIndex row) {
     try {
-      return statue_.load(row);
+      return CheckedMesh(statue_.load(row));
     } catch (const core::Error& error) {
       if (error.status() != core::Status::kBadData) throw;
       if (row == row_) {
@@ -85,7 +84,7 @@ class CubeChecker {
   }
 
   void check_own() {
-    const CubeMesh& mesh = report_.mesh;
+    const CheckedMesh& mesh = report_.mesh;
     const CubeId cube = statue_.cube(row_);
     const auto& bounds = statue_.rows()[row_].bounds;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -101,14 +100,14 @@ class CubeChecker {
     check_edges(mesh, cube.level);
     take_own_census(mesh, cube);
     if (statue_.rows()[row_].level == statue_.deepest_level()) measure_finest(mesh);
-    const double width = facts_.edge_length > 0.0 ? facts_.edge_length : edge_lengths(mesh).mean();
-    report_.clefts = count_clefts(statue_, cube.level, mesh, width);
+    const double width = facts_.edge_length > 0.0 ? facts_.edge_length : edge_lengths(mesh.node).mean();
+    report_.clefts = count_clefts(statue_, cube.level, mesh.node, width);
   }
 
-  void check_edges(const CubeMesh& mesh, int level) {
+  void check_edges(const CheckedMesh& mesh, int level) {
     std::uint64_t long_edges = 0;
     std::int64_t longest = 0;
-    for (const mesh::Triangle& t : mesh.triangles)
+    for (const mesh::Triangle& t : mesh.part().triangles)
       for (std::size_t k = 0; k < 3; ++k) {
         const auto length = hierarchy::max_distance(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]]);
         longest = std::max(longest, length);
@@ -131,7 +130,7 @@ class CubeChecker {
   }
 
   // Indices by position; equal ones in order.
-  static std::vector<std::uint32_t> sorted_by_position(const CubeMesh& mesh) {
+  static std::vector<std::uint32_t> sorted_by_position(const CheckedMesh& mesh) {
     std::vector<std::uint32_t> order(mesh.positions.size());
     std::iota(order.begin(), order.end(), 0U);
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -140,7 +139,7 @@ class CubeChecker {
     return order;
   }
 
-  void take_own_census(const CubeMesh& mesh, const CubeId& cube) {
+  void take_own_census(const CheckedMesh& mesh, const CubeId& cube) {
     std::vector<codec::coded::ScaledPosition> positions;
     std::vector<std::uint8_t> is_shared;
     std::vector<std::uint32_t> welded(mesh.positions.size());
@@ -155,7 +154,7 @@ class CubeChecker {
       welded[i] = static_cast<std::uint32_t>(positions.size() - 1);
     }
     std::vector<mesh::Triangle> triangles;
-    for (const mesh::Triangle& t : mesh.triangles) {
+    for (const mesh::Triangle& t : mesh.part().triangles) {
       const mesh::Triangle w{welded[t[0]], welded[t[1]], welded[t[2]]};
       if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) triangles.push_back(w);
     }
@@ -163,15 +162,15 @@ class CubeChecker {
     report_.census.has_shared_places = positions.size() < mesh.positions.size();
   }
 
-  void measure_finest(const CubeMesh& mesh) {
+  void measure_finest(const CheckedMesh& mesh) {
     measure::FinestSurface& finest = report_.finest;
     finest.greatest_error = statue_.rows()[row_].error;
-    finest.triangles = mesh.triangles.size();
+    finest.triangles = mesh.part().triangles.size();
     std::vector<codec::coded::ScaledPosition> positions;
     for (const Point& p : mesh.positions) positions.push_back({p.x, p.y, p.z});
-    for (const mesh::Triangle& t : mesh.triangles)
+    for (const mesh::Triangle& t : mesh.part().triangles)
       for (const std::uint32_t v : t) finest.bounds.add(statue_.world(mesh.positions[v]));
-    add_area(finest, positions, mesh.triangles, 1.0);
+    add_area(finest, positions, mesh.part().triangles, 1.0);
   }
 
   // The children's triangles under their parent maps, without degenerate ones, are this cube's.
@@ -185,7 +184,7 @@ class CubeChecker {
         is_whole = false;
         continue;
       }
-      const EdgeLengths lengths = edge_lengths(*mesh);
+      const EdgeLengths lengths = edge_lengths(mesh->node);
       report_.edge_lengths.sum += lengths.sum;
       report_.edge_lengths.count += lengths.count;
       if (!has_mesh) continue;
@@ -193,14 +192,14 @@ class CubeChecker {
         is_whole = false;
         continue;
       }
-      report_.parents += mesh->parents.size();
-      report_.mapped_triangles += mesh->triangles.size();
+      report_.parents += mesh->part().parents.size();
+      report_.mapped_triangles += mesh->part().triangles.size();
       collect_shared(child, *mesh);
       const auto& coarse = report_.mesh.positions;
-      for (const mesh::Triangle& t : mesh->triangles) {
-        const Point& a = coarse[mesh->parents[t[0]]];
-        const Point& b = coarse[mesh->parents[t[1]]];
-        const Point& c = coarse[mesh->parents[t[2]]];
+      for (const mesh::Triangle& t : mesh->part().triangles) {
+        const Point& a = coarse[mesh->part().parents[t[0]]];
+        const Point& b = coarse[mesh->part().parents[t[1]]];
+        const Point& c = coarse[mesh->part().parents[t[2]]];
         if (!mesh::is_degenerate(a, b, c)) mapped.push_back(cyclic(a, b, c));
       }
     }
@@ -208,20 +207,21 @@ class CubeChecker {
   }
 
   // False when an index is out of range, so that the map says nothing.
-  bool check_parents(reader::access::RowIndex child, const CubeMesh& mesh) {
-    const CubeMesh& coarse = report_.mesh;
+  bool check_parents(reader::access::RowIndex child, const CheckedMesh& mesh) {
+    const CheckedMesh& coarse = report_.mesh;
     const int level = statue_.cube(child).level;
     const double longest_allowed = statue_.longest_parent_distance(level);
     std::uint64_t far = 0;
     std::int64_t farthest = 0;
-    for (std::size_t i = 0; i < mesh.parents.size(); ++i) {
-      if (mesh.parents[i] >= coarse.positions.size()) {
+    for (std::size_t i = 0; i < mesh.part().parents.size(); ++i) {
+      if (mesh.part().parents[i] >= coarse.positions.size()) {
         add(measure::FindingKind::kParent, child,
-            fmt::format("vertex {} has parent {}, but the parent cube has {} vertices", i, mesh.parents[i],
-                        coarse.positions.size()));
+            fmt::format("vertex {} has parent {}, but the parent cube has {} vertices", i,
+                        mesh.part().parents[i], coarse.positions.size()));
         return false;
       }
-      const auto distance = hierarchy::max_distance(mesh.positions[i], coarse.positions[mesh.parents[i]]);
+      const auto distance =
+          hierarchy::max_distance(mesh.positions[i], coarse.positions[mesh.part().parents[i]]);
       farthest = std::max(farthest, distance);
       if (static_cast<double>(distance) > longest_allowed) ++far;
     }
@@ -233,15 +233,15 @@ class CubeChecker {
     return true;
   }
 
-  SharedVertex shared_vertex(reader::access::RowIndex child, const CubeMesh& mesh, std::uint32_t i) const {
-    SharedVertex vertex{mesh.positions[i], report_.mesh.positions[mesh.parents[i]], {}, {}, child};
-    if (mesh.has_normals) vertex.normal = mesh.normals[i];
-    if (mesh.has_colors) vertex.color = mesh.colors[i];
+  SharedVertex shared_vertex(reader::access::RowIndex child, const CheckedMesh& mesh, std::uint32_t i) const {
+    SharedVertex vertex{mesh.positions[i], report_.mesh.positions[mesh.part().parents[i]], {}, {}, child};
+    if (mesh.node.has_normals) vertex.normal = mesh.part().normals[i];
+    if (mesh.node.has_colors) vertex.color = mesh.part().colors[i];
     return vertex;
   }
 
   // Vertices that other cubes may have, and those whose position the cube has twice.
-  void collect_shared(reader::access::RowIndex child, const CubeMesh& mesh) {
+  void collect_shared(reader::access::RowIndex child, const CheckedMesh& mesh) {
     const CubeId cube = statue_.cube(child);
     const std::vector<std::uint32_t> order = sorted_by_position(mesh);
     for (std::size_t k = 0; k < order.size(); ++k) {
@@ -255,7 +255,7 @@ class CubeChecker {
 
   void compare_map(std::vector<Corners>& mapped) {
     std::vector<Corners> own;
-    for (const mesh::Triangle& t : report_.mesh.triangles)
+    for (const mesh::Triangle& t : report_.mesh.part().triangles)
       own.push_back(
           cyclic(report_.mesh.positions[t[0]], report_.mesh.positions[t[1]], report_.mesh.positions[t[2]]));
     std::sort(own.begin(), own.end());

@@ -33,11 +33,21 @@ struct LevelFacts {
   double edge_length = 0.0;  // mean, lattice units; 0: the cube's own
 };
 
+// A cube's mesh, and where its vertices lie on the lattice.
+struct CheckedMesh {
+  CheckedMesh() : CheckedMesh(codec::coded::lattice_node()) {}
+  explicit CheckedMesh(codec::coded::CodedNode decoded)
+      : node(std::move(decoded)), positions(codec::coded::lattice_positions(node)) {}
+  const codec::coded::CodedPart& part() const { return node.parts[0]; }
+  codec::coded::CodedNode node;
+  std::vector<geometry::Point> positions;
+};
+
 struct CubeReport {
   std::vector<measure::Finding> findings;
   measure::PartCensus census;
   CleftCounts clefts;
-  codec::coded::CubeMesh mesh;  // empty when it is damaged
+  CheckedMesh mesh;  // empty when it is damaged
   bool is_damaged = false;
   measure::FinestSurface finest;  // of a cube of the deepest level
   // Of the children:

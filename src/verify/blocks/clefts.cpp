@@ -45,7 +45,7 @@ measure::CleftDensities CleftCounts::densities() const {
 }
 
 CleftCounts count_clefts(const reader::blocks::CubeStatue& statue, int level,
-                         const codec::coded::CubeMesh& mesh, double width, bool has_shifted_blocks) {
+                         const codec::coded::CodedNode& node, double width, bool has_shifted_blocks) {
   std::vector<Borders> borders;  // of levels level + 1, level + 2 ...
   const double root_side = std::ldexp(1.0, statue.root_bits());
   for (int finer = level + 1; finer <= static_cast<int>(statue.deepest_level()); ++finer) {
@@ -56,10 +56,10 @@ CleftCounts count_clefts(const reader::blocks::CubeStatue& statue, int level,
   constexpr std::size_t kInterior = 2;
   std::array<std::uint64_t, 3> triangles{};
   std::array<double, 3> areas{};
-  for (const mesh::Triangle& t : mesh.triangles) {
-    const geometry::Vec3 a = geometry::to_vec3(mesh.positions[t[0]]);
-    const geometry::Vec3 b = geometry::to_vec3(mesh.positions[t[1]]);
-    const geometry::Vec3 c = geometry::to_vec3(mesh.positions[t[2]]);
+  for (const mesh::Triangle& t : node.parts[0].triangles) {
+    const geometry::Vec3 a = geometry::to_vec3(lattice_position(node, t[0]));
+    const geometry::Vec3 b = geometry::to_vec3(lattice_position(node, t[1]));
+    const geometry::Vec3 c = geometry::to_vec3(lattice_position(node, t[2]));
     const geometry::Vec3 barycenter = (1.0 / 3.0) * (a + b + c);
     std::size_t zone = kInterior;
     for (std::size_t i = borders.size(); i-- > 0;)
@@ -77,13 +77,13 @@ CleftCounts count_clefts(const reader::blocks::CubeStatue& statue, int level,
   return counts;
 }
 
-EdgeLengths edge_lengths(const codec::coded::CubeMesh& mesh) {
+EdgeLengths edge_lengths(const codec::coded::CodedNode& node) {
   EdgeLengths lengths;
-  for (const mesh::Triangle& t : mesh.triangles)
+  for (const mesh::Triangle& t : node.parts[0].triangles)
     for (std::size_t k = 0; k < 3; ++k)
       lengths.sum += std::sqrt(static_cast<double>(
-          geometry::squared_distance(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]])));
-  lengths.count = mesh.triangles.size() * 3;
+          geometry::squared_distance(lattice_position(node, t[k]), lattice_position(node, t[(k + 1) % 3]))));
+  lengths.count = node.parts[0].triangles.size() * 3;
   return lengths;
 }
 

@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-#include "codec/coded/cube_mesh.hpp"
+#include "codec/coded/lattice_node.hpp"
 #include "reader/blocks/statue.hpp"
 #include "verify/measure/report.hpp"
 
@@ -30,7 +30,7 @@ struct CleftCounts {
 // Borders less than eight widths apart would leave no interior, so the finest ones are left out. No container
 // says that its blocks are not shifted.
 CleftCounts count_clefts(const reader::blocks::CubeStatue& statue, int level,
-                         const codec::coded::CubeMesh& mesh, double width, bool has_shifted_blocks = true);
+                         const codec::coded::CodedNode& node, double width, bool has_shifted_blocks = true);
 
 struct EdgeLengths {
   double sum = 0.0;
@@ -38,6 +38,6 @@ struct EdgeLengths {
   double mean() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
 };
 // Of the triangles' edges, each as often as it is used; lattice units.
-EdgeLengths edge_lengths(const codec::coded::CubeMesh& mesh);
+EdgeLengths edge_lengths(const codec::coded::CodedNode& node);
 
 }  // namespace colossus::verify::blocks

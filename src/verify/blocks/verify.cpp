@@ -128,11 +128,11 @@ class CubeVerifier {
       for (const geometry::Point& p : cubes[i].mesh.positions)
         points[i].push_back(input_->scale().scaled(statue_.world(p)));
       measured[i] = measure_cube(static_cast<reader::access::RowIndex>(first + i),
-                                 {points[i], cubes[i].mesh.triangles});
+                                 {points[i], cubes[i].mesh.part().triangles});
     });
     for (std::size_t i = 0; i < cubes.size(); ++i) {
       const auto row = static_cast<reader::access::RowIndex>(first + i);
-      surface_.add(row, points[i], cubes[i].mesh.triangles, false);
+      surface_.add(row, points[i], cubes[i].mesh.part().triangles, false);
       report_.samples += measured[i].samples;
       sampled_[row] = measured[i].greatest;
       if (const double error = statue_.rows()[row].error; error > 0.0)

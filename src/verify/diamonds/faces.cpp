@@ -6,6 +6,7 @@
 #include <set>
 #include <tuple>
 
+#include "codec/coded/places.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
 
@@ -23,12 +24,6 @@ struct IndexEdge {
   std::uint64_t key;  // lesser end, greater end
   bool is_forward;
 };
-
-bool have_common_zero(const codec::coded::Weights& a, const codec::coded::Weights& b) {
-  for (std::size_t i = 0; i < 4; ++i)
-    if (a[i] == 0 && b[i] == 0) return true;
-  return false;
-}
 
 std::array<Point, 3> face_corners(const Tetrahedron& t, std::size_t opposite) {
   std::array<Point, 3> corners;
@@ -96,7 +91,7 @@ std::string text(const reader::diamonds::Statue& statue, reader::diamonds::Tetra
 Chain decoded_chain(const reader::diamonds::Statue& statue, const FaceEntry& entry) {
   if (entry.state != FaceState::kKnown) return {};
   const auto node = statue.node(entry.tetrahedron.row);
-  for (const auto& part : node->mesh.tetrahedra)
+  for (const auto& part : node->mesh.parts)
     if (part.place == entry.tetrahedron.place) {
       const auto chains = boundary_chains(part, node->diamond.tetrahedra[part.place]);
       return in_canonical_direction(chains.faces[entry.corner], entry.side);
@@ -207,16 +202,14 @@ Chain normalized(Chain chain) {
   return kept;
 }
 
-BoundaryChains boundary_chains(const codec::coded::QuantizedTetrahedron& part,
-                               const Tetrahedron& tetrahedron) {
+BoundaryChains boundary_chains(const codec::coded::CodedPart& part, const Tetrahedron& tetrahedron) {
   std::vector<IndexEdge> edges;
   for (const mesh::Triangle& t : part.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint64_t a = t[k];
       const std::uint64_t b = t[(k + 1) % 3];
-      // Also the edges that merely lie in a face; what is marked on a face has weight 0 for its opposite
-      // corner.
-      if (!have_common_zero(part.weights[a], part.weights[b])) continue;
+      // Also the edges that merely lie in a face.
+      if (!codec::coded::share_face(part.positions[a], part.positions[b])) continue;
       edges.push_back({std::min(a, b) << 32 | std::max(a, b), a < b});
     }
   std::sort(edges.begin(), edges.end(), [](const IndexEdge& a, const IndexEdge& b) { return a.key < b.key; });
@@ -224,20 +217,15 @@ BoundaryChains boundary_chains(const codec::coded::QuantizedTetrahedron& part,
   std::map<std::uint8_t, Chain> along_edges;
   for (std::size_t i = 0; i < edges.size();) {
     const std::uint64_t key = edges[i].key;
-    const std::size_t first = i;
     std::ptrdiff_t net = 0;
     for (; i < edges.size() && edges[i].key == key; ++i) net += edges[i].is_forward ? 1 : -1;
     if (net == 0) continue;
     const auto a = static_cast<std::size_t>(key >> 32);
     const auto b = static_cast<std::size_t>(key & 0xffffffffU);
-    const auto common = static_cast<std::uint8_t>(part.marks[a] & part.marks[b]);
-    DirectedEdge edge{codec::coded::scaled_position(part.weights[a], tetrahedron),
-                      codec::coded::scaled_position(part.weights[b], tetrahedron)};
-    if (common == 0) {
-      // Several triangles may leave a rest where their orientations differ; that is no border.
-      if (i - first == 1 && edge.from != edge.to) ++chains.unmarked;
-      continue;
-    }
+    const auto common = static_cast<std::uint8_t>(codec::coded::marks_of(part.positions[a]) &
+                                                  codec::coded::marks_of(part.positions[b]));
+    DirectedEdge edge{codec::coded::scaled_position(part.positions[a], tetrahedron),
+                      codec::coded::scaled_position(part.positions[b], tetrahedron)};
     if (net < 0) edge = reversed(edge);
     const auto times = static_cast<std::size_t>(net < 0 ? -net : net);
     Chain& chain = std::popcount(common) == 1

@@ -46,11 +46,9 @@ struct EdgeChain {
 struct BoundaryChains {
   std::array<Chain, 4> faces;    // on the face opposite corner i, as the tetrahedron directs them
   std::vector<EdgeChain> edges;  // only those that are not empty
-  std::uint64_t unmarked =
-      0;  // edges of one triangle that lie in a face without common marks, of some length
 };
 
-BoundaryChains boundary_chains(const codec::coded::QuantizedTetrahedron& part,
+BoundaryChains boundary_chains(const codec::coded::CodedPart& part,
                                const hierarchy::Tetrahedron& tetrahedron);
 
 enum class FaceState : std::uint8_t {

@@ -82,12 +82,11 @@ std::vector<measure::Finding> check_structure(const reader::diamonds::Statue& st
 }
 
 std::optional<std::string> outside_bounds(const reader::diamonds::Statue& statue,
-                                          reader::access::RowIndex row,
-                                          const codec::coded::QuantizedTetrahedron& part,
+                                          reader::access::RowIndex row, const codec::coded::CodedPart& part,
                                           const hierarchy::Tetrahedron& tetrahedron) {
   const auto& bounds = statue.rows()[row].bounds;
-  for (std::size_t i = 0; i < part.weights.size(); ++i) {
-    const auto p = statue.world(codec::coded::scaled_position(part.weights[i], tetrahedron));
+  for (std::size_t i = 0; i < part.positions.size(); ++i) {
+    const auto p = statue.world(codec::coded::scaled_position(part.positions[i], tetrahedron));
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (p[axis] < bounds[axis] || p[axis] > bounds[axis + 3])
         return fmt::format("vertex {} of place {} at {} {} {} lies outside the bounds {} to {} on axis {}", i,
@@ -99,9 +98,9 @@ std::optional<std::string> outside_bounds(const reader::diamonds::Statue& statue
 // What the input is compared with, in scaled units.
 void place_mesh(const reader::diamonds::Statue& statue, const measure::Scale& scale,
                 const reader::diamonds::Node& node, NodeReport& report) {
-  for (const auto& part : node.mesh.tetrahedra) {
+  for (const auto& part : node.mesh.parts) {
     const auto base = static_cast<std::uint32_t>(report.points.size());
-    for (const auto& weights : part.weights)
+    for (const auto& weights : part.positions)
       report.points.push_back(scale.scaled(
           statue.world(codec::coded::scaled_position(weights, node.diamond.tetrahedra[part.place]))));
     for (const mesh::Triangle& t : part.triangles)
@@ -142,13 +141,13 @@ void measure_node(const reader::diamonds::Statue& statue, const measure::VerifyO
 
 // Of one tetrahedron of a leaf.
 measure::FinestSurface finest_part(const reader::diamonds::Statue& statue, reader::access::RowIndex row,
-                                   const codec::coded::QuantizedTetrahedron& part,
+                                   const codec::coded::CodedPart& part,
                                    const hierarchy::Tetrahedron& tetrahedron) {
   measure::FinestSurface finest;
   finest.greatest_error = statue.rows()[row].error;
   finest.triangles = part.triangles.size();
   std::vector<codec::coded::ScaledPosition> positions;
-  for (const auto& weights : part.weights)
+  for (const auto& weights : part.positions)
     positions.push_back(codec::coded::scaled_position(weights, tetrahedron));
   for (const mesh::Triangle& t : part.triangles)
     for (const std::uint32_t v : t) finest.bounds.add(statue.world(positions[v]));
@@ -158,22 +157,15 @@ measure::FinestSurface finest_part(const reader::diamonds::Statue& statue, reade
 
 // One tetrahedron by itself.
 BoundaryChains check_part(const reader::diamonds::Statue& statue, reader::access::RowIndex row,
-                          const codec::coded::QuantizedTetrahedron& part,
-                          const hierarchy::Tetrahedron& tetrahedron, NodeReport& report) {
-  const bool is_closed = statue.count_of("border_edges") == std::uint64_t{0};
+                          const codec::coded::CodedPart& part, const hierarchy::Tetrahedron& tetrahedron,
+                          NodeReport& report) {
   if (const auto outside = outside_bounds(statue, row, part, tetrahedron))
     report.findings.push_back(
         {measure::FindingKind::kBounds, fmt::format("node at {}: {}", statue.name(row), *outside)});
   BoundaryChains chains = boundary_chains(part, tetrahedron);
-  if (is_closed && chains.unmarked > 0)
-    report.findings.push_back(
-        {measure::FindingKind::kFace,
-         fmt::format(
-             "node at {}: place {} has {} border edges in faces without marks, but the input is closed",
-             statue.name(row), part.place, chains.unmarked)});
   const reader::diamonds::WeldedTetrahedron welded = reader::diamonds::weld_positions(part, tetrahedron);
   measure::PartCensus census = measure::take_census(welded.positions, welded.zero_weights, welded.triangles);
-  census.has_shared_places = welded.positions.size() < part.weights.size();
+  census.has_shared_places = welded.positions.size() < part.positions.size();
   report.inconsistent_edges += census.inconsistent_edges;
   if (statue.exists({row, part.place})) report.census.push_back(std::move(census));
   if (statue.is_leaf(row)) report.finest.add(finest_part(statue, row, part, tetrahedron));
@@ -189,7 +181,7 @@ NodeReport check_node(const reader::diamonds::Statue& statue, const measure::Ver
   std::array<const BoundaryChains*, reader::diamonds::kMaxPlaces> present{};
   try {
     const reader::diamonds::Node node = statue.load(row);
-    for (const auto& part : node.mesh.tetrahedra) {
+    for (const auto& part : node.mesh.parts) {
       chains[part.place] = check_part(statue, row, part, diamond.tetrahedra[part.place], report);
       present[part.place] = &*chains[part.place];
     }

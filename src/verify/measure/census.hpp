@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 #include "core/hash.hpp"
 
 namespace colossus::verify::measure {

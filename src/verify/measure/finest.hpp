@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "codec/coded/node_mesh.hpp"
+#include "codec/coded/weights.hpp"
 #include "geometry/point.hpp"
 #include "verify/measure/report.hpp"
 

@@ -244,12 +244,12 @@ TEST(Strips, TakeNoLongForFansAndHeaps) {
 
 coded::CodedNode random_node(Random& random, std::uint32_t most_vertices) {
   coded::CodedNode node;
-  node.is_cube = pick(random, 0, 1) == 0;
-  node.position_bits = node.is_cube ? pick(random, 0, 32) : pick(random, 8, 16);
+  if (pick(random, 0, 1) == 0) node.position_kind = coded::PositionKind::kLattice;
+  node.position_bits = node.is_on_lattice() ? pick(random, 0, 32) : pick(random, 8, 16);
   node.has_normals = pick(random, 0, 1) == 0;
   node.has_colors = pick(random, 0, 1) == 0;
   node.has_parents = pick(random, 0, 1) == 0;
-  const std::uint32_t part_count = node.is_cube ? 1 : pick<std::uint32_t>(random, 0, 8);
+  const std::uint32_t part_count = node.is_on_lattice() ? 1 : pick<std::uint32_t>(random, 0, 8);
   for (std::uint32_t place = 0; place < part_count; ++place) {
     coded::CodedPart part;
     part.place = static_cast<std::uint8_t>(place);
@@ -258,10 +258,11 @@ coded::CodedNode random_node(Random& random, std::uint32_t most_vertices) {
       std::uint64_t left = std::uint64_t{1} << node.position_bits;
       coded::Coordinates p{};
       for (std::size_t i = 0; i < 3; ++i) {
-        p[i] = static_cast<std::uint32_t>(pick<std::uint64_t>(random, 0, node.is_cube ? left - 1 : left));
-        if (!node.is_cube) left -= p[i];
+        p[i] = static_cast<std::uint32_t>(
+            pick<std::uint64_t>(random, 0, node.is_on_lattice() ? left - 1 : left));
+        if (!node.is_on_lattice()) left -= p[i];
       }
-      if (!node.is_cube) p[3] = static_cast<std::uint32_t>(left);
+      if (!node.is_on_lattice()) p[3] = static_cast<std::uint32_t>(left);
       part.positions.push_back(p);
       const auto byte = [&] { return static_cast<std::uint8_t>(random()); };
       if (node.has_normals) part.normals.push_back({byte(), byte()});
@@ -306,7 +307,7 @@ void expect_in_range(const coded::CodedNode& node) {
   for (const coded::CodedPart& part : node.parts) {
     for (const Triangle& t : part.triangles)
       for (const std::uint32_t v : t) ASSERT_LT(v, part.positions.size());
-    if (!node.is_cube) continue;
+    if (!node.is_on_lattice()) continue;
     for (const coded::Coordinates& p : part.positions)
       for (const std::uint32_t coordinate : p)
         ASSERT_LE(coordinate, (std::uint64_t{1} << std::max(1, node.position_bits)) - 1);

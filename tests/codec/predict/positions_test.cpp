@@ -88,7 +88,7 @@ TEST(Positions, OfAnySizeSurvive) {
     Random random(seed);
     coded::CodedPart part = square(pick(random, 1, 12)).part;
     coded::CodedNode node;
-    node.is_cube = true;
+    node.position_kind = coded::PositionKind::kLattice;
     node.position_bits = static_cast<int>(pick(random, 0, 32));
     const std::uint32_t bits = pick(random, 1, 32);
     const std::uint32_t center = pick(random, 0, 1) == 0 ? 0 : pick(random, 0, 1U << 18);
@@ -135,7 +135,7 @@ TEST(Positions, OfPlanesSurvive) {
     const std::uint32_t width = pick(random, 2, 12);
     auto [part, places] = square(width);
     coded::CodedNode node;
-    node.is_cube = true;
+    node.position_kind = coded::PositionKind::kLattice;
     node.position_bits = 18;
     const std::uint32_t step = pick(random, 1, 4000);
     const std::array<std::uint32_t, 3> slopes{pick(random, 0, 8), pick(random, 0, 8), pick(random, 1, 8)};

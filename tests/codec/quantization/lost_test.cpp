@@ -46,9 +46,9 @@ mesh::Mesh mesh_of(const std::vector<Point>& points, const std::vector<Triangle>
   return mesh;
 }
 
-std::vector<Vec3> stored_points(const coded::QuantizedTetrahedron& part) {
+std::vector<Vec3> stored_points(const coded::CodedPart& part) {
   std::vector<Vec3> points;
-  for (const coded::Weights& weights : part.weights) {
+  for (const coded::Weights& weights : part.positions) {
     const coded::ScaledPosition p = coded::scaled_position(weights, root());
     points.push_back({std::ldexp(static_cast<double>(p[0]), -kBits),
                       std::ldexp(static_cast<double>(p[1]), -kBits),
@@ -93,7 +93,7 @@ void expect_there(const mesh::Mesh& mesh, const Quantized& stored) {
 Quantized stored(const mesh::Mesh& mesh) { return quantize(mesh, root(), 0, {kBits, false, false}); }
 
 void expect_closed(const Quantized& stored) {
-  const std::vector<std::uint32_t> welded = coded::first_at_place(stored.tetrahedron.weights);
+  const std::vector<std::uint32_t> welded = coded::first_at_place(stored.tetrahedron.positions);
   std::vector<Triangle> triangles = stored.tetrahedron.triangles;
   for (Triangle& t : triangles)
     for (auto& v : t) v = welded[v];
@@ -110,7 +110,7 @@ TEST(Lost, ACrumbStaysAsTwoTrianglesBackToBack) {
   const mesh::Mesh mesh = crumb(middle(), kSmall);
   const Quantized result = stored(mesh);
   EXPECT_EQ(result.tetrahedron.triangles.size(), 2U);
-  EXPECT_EQ(result.tetrahedron.marks, std::vector<std::uint8_t>(3, 0));
+  EXPECT_EQ(coded::marks_of(result.tetrahedron.positions), std::vector<std::uint8_t>(3, 0));
   expect_closed(result);
   expect_there(mesh, result);
 }
@@ -128,7 +128,7 @@ TEST(Lost, ACrumbOnAFaceStaysOffIt) {
                                                                     : axis == 1 ? inward.y
                                                                                 : inward.z));
   const Quantized result = stored(mesh);
-  for (const std::uint8_t marks : result.tetrahedron.marks) EXPECT_EQ(marks, 0);
+  for (const std::uint8_t marks : coded::marks_of(result.tetrahedron.positions)) EXPECT_EQ(marks, 0);
   expect_there(mesh, result);
 }
 

@@ -34,7 +34,7 @@ verify::measure::WorldPoint random_eye(const CubeStatue& statue, std::mt19937_64
     const RowRange finest = statue.rows_of_level(statue.deepest_level());
     const auto mesh = statue.node(static_cast<access::RowIndex>(finest.first + random() % finest.size()));
     const verify::measure::WorldPoint vertex =
-        statue.world(mesh->positions[random() % mesh->positions.size()]);
+        statue.world(lattice_position(*mesh, random() % mesh->parts[0].positions.size()));
     for (std::size_t axis = 0; axis < 3; ++axis) bounds[axis] = bounds[axis + 3] = vertex[axis];
     margin = statue.longest_edge(static_cast<int>(statue.deepest_level())) * statue.metadata().lattice.step;
   }
@@ -58,7 +58,7 @@ TEST(BlocksCut, LevelsAreWholeAndUnmorphed) {
     EXPECT_EQ(census_of(mesh).repeated_points, 0U) << level;
     std::uint64_t stored = 0;
     for (const auto& [cube, node] : fixture.nodes)
-      if (cube.level == expected) stored += node.mesh.triangles.size();
+      if (cube.level == expected) stored += node.mesh.parts[0].triangles.size();
     EXPECT_EQ(mesh.stored_triangles, stored);
   }
 }
@@ -82,7 +82,7 @@ TEST(BlocksCut, TrianglesChooseTheFinestLevelThatFits) {
   for (int level = 0; level <= 3; ++level) {
     std::uint64_t count = 0;
     for (const auto& [cube, node] : fixture.nodes)
-      if (cube.level == level) count += node.mesh.triangles.size();
+      if (cube.level == level) count += node.mesh.parts[0].triangles.size();
     EXPECT_EQ(levels_of(*statue, cut_with_triangles(*statue, count)), std::set<int>{level});
     const CubeCut fewer = cut_with_triangles(*statue, count - 1);
     EXPECT_EQ(levels_of(*statue, fewer), std::set<int>{std::max(0, level - 1)});
@@ -172,7 +172,7 @@ TEST(BlocksCut, DrawsSuitableCubesWithUnsuitableAncestors) {
 TEST(BlocksCut, CountsTheCubesThatItDraws) {
   BlocksFixture fixture(torus(128, 40));
   // A cube that is there for its vertices only.
-  fixture.nodes.rbegin()->second.mesh.triangles.clear();
+  fixture.nodes.rbegin()->second.mesh.parts[0].triangles.clear();
   const auto statue = fixture.open();
   const std::uint64_t finest = statue->rows_of_level(3).size();
   EXPECT_EQ(parts_by_level(*statue, cut_at_level(*statue, 3)),
@@ -224,16 +224,17 @@ TEST(BlocksCut, MorphedVerticesLieOnTheWayToTheirParents) {
   std::set<verify::measure::WorldPoint> parents;
   std::set<verify::measure::WorldPoint> between;
   for (const access::RowIndex row : cut.rows) {
-    const codec::coded::CubeMesh mesh = statue->load(row);
+    const codec::coded::CodedNode node = statue->load(row);
+    const codec::coded::CodedPart& mesh = node.parts[0];
     const int level = statue->cube(row).level;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-      const Point& w = mesh.positions[i];
+      const Point w = lattice_position(node, i);
       const double lambda = cut.morph->lambda(w, level);
       if (lambda == 1.0) {
         own.insert(statue->world(w));
         continue;
       }
-      const Point p = statue->node(statue->parent(row))->positions[mesh.parents[i]];
+      const Point p = lattice_position(*statue->node(statue->parent(row)), mesh.parents[i]);
       if (lambda == 0.0) {
         parents.insert(statue->world(p));
         continue;
@@ -288,11 +289,13 @@ TEST(BlocksCut, IsTotalOnNonsense) {
     for (int fault = 0; fault < 5; ++fault) {
       auto node =
           std::next(fixture.nodes.begin(), static_cast<std::ptrdiff_t>(random() % fixture.nodes.size()));
-      codec::coded::CubeMesh& mesh = node->second.mesh;
+      codec::coded::CodedPart& mesh = node->second.mesh.parts[0];
       const auto vertex = random() % mesh.positions.size();
       if (fault == 0) fixture.nodes.erase(node);
-      if (fault == 1) mesh.positions[vertex] = {8192, 0, static_cast<std::int32_t>(random() % 8193)};
-      if (fault == 2 && mesh.has_parents) mesh.parents[vertex] = static_cast<std::uint32_t>(random());
+      if (fault == 1)
+        move_vertex(node->second.mesh, vertex, {8192, 0, static_cast<std::int32_t>(random() % 8193)});
+      if (fault == 2 && node->second.mesh.has_parents)
+        mesh.parents[vertex] = static_cast<std::uint32_t>(random());
       if (fault == 3) mesh.triangles.clear();
       if (fault == 4) node->second.row.flags ^= container::kNodeIsLeaf;
     }

@@ -78,15 +78,15 @@ TEST(BlocksStatue, RefusesNodesThatAreNotWhatTheContainerSays) {
     EXPECT_THROW(statue->load(static_cast<access::RowIndex>(statue->rows().size() - 1)), core::Error);
     EXPECT_NO_THROW(statue->load(0));
   };
-  fails([](codec::coded::CubeMesh& m) { m.positions[0].x = -1; });
-  fails([](codec::coded::CubeMesh& m) { m.positions[0].z = 8193; });
-  fails([](codec::coded::CubeMesh& m) {
+  fails([](codec::coded::CodedNode& m) { move_vertex(m, 0, {-1, 0, 0}); });
+  fails([](codec::coded::CodedNode& m) { move_vertex(m, 0, {0, 0, 8193}); });
+  fails([](codec::coded::CodedNode& m) {
     m.has_normals = false;
-    m.normals.clear();
+    m.parts[0].normals.clear();
   });
-  fails([](codec::coded::CubeMesh& m) {
+  fails([](codec::coded::CodedNode& m) {
     m.has_parents = false;
-    m.parents.clear();
+    m.parts[0].parents.clear();
   });
 }
 

@@ -38,7 +38,7 @@ std::uint64_t counted_anew(const Statue& statue, const Cut& cut) {
   std::uint64_t total = 0;
   for (access::RowIndex row = 0; row < statue.rows().size(); ++row) {
     const Node node = statue.load(row);
-    for (const auto& part : node.mesh.tetrahedra)
+    for (const auto& part : node.mesh.parts)
       if (cut.is_active(statue, {row, part.place})) total += part.triangles.size();
   }
   return total;

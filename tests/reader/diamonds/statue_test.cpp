@@ -129,8 +129,8 @@ TEST(Statue, RefusesOtherPositionBitsAndAttributes) {
   StatueFixture fixture(sphere(3), 100);
   node_at(fixture, 2).mesh.position_bits = 13;
   // The decoded weights then no longer sum up: they have to be made to.
-  for (auto& part : node_at(fixture, 2).mesh.tetrahedra)
-    for (auto& weights : part.weights)
+  for (auto& part : node_at(fixture, 2).mesh.parts)
+    for (auto& weights : part.positions)
       for (auto& weight : weights) weight *= 2;
   auto statue = fixture.open();
   expect_names(bad_data([&] { statue->load(2); }), fixture, *statue, 2);
@@ -169,7 +169,7 @@ TEST(Statue, IsTotalOnNonsense) {
         if (what == 0) fixture.nodes.erase(node);
         if (what == 1) node->second.row.flags ^= container::kNodeIsLeaf;
         if (what == 2) node->second.row.error *= static_cast<double>(random() % 10);
-        if (what == 3 && node->second.mesh.tetrahedra.size() > 1) node->second.mesh.tetrahedra.pop_back();
+        if (what == 3 && node->second.mesh.parts.size() > 1) node->second.mesh.parts.pop_back();
       }
     else
       fixture.change_payload = [&](core::Bytes& payload) {

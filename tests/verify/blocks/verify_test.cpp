@@ -25,22 +25,23 @@ measure::VerifyReport verified(BlocksFixture& fixture, const measure::VerifyOpti
 FixtureCube& large_cube(BlocksFixture& fixture, int level) {
   FixtureCube* largest = nullptr;
   for (auto& [cube, node] : fixture.nodes)
-    if (cube.level == level && (!largest || node.mesh.triangles.size() > largest->mesh.triangles.size()))
+    if (cube.level == level &&
+        (!largest || node.mesh.parts[0].triangles.size() > largest->mesh.parts[0].triangles.size()))
       largest = &node;
   return *largest;
 }
 
 // A vertex of the level that two cubes have, in both of them.
 struct SharedPlace {
-  std::array<codec::coded::CubeMesh*, 2> meshes{};
+  std::array<codec::coded::CodedNode*, 2> meshes{};
   std::array<std::size_t, 2> vertices{};
 };
 SharedPlace shared_place(BlocksFixture& fixture, int level) {
-  std::map<geometry::Point, std::pair<codec::coded::CubeMesh*, std::size_t>> seen;
+  std::map<geometry::Point, std::pair<codec::coded::CodedNode*, std::size_t>> seen;
   for (auto& [cube, node] : fixture.nodes) {
     if (cube.level != level) continue;
-    for (std::size_t i = 0; i < node.mesh.positions.size(); ++i) {
-      const auto [found, is_new] = seen.try_emplace(node.mesh.positions[i], &node.mesh, i);
+    for (std::size_t i = 0; i < node.mesh.parts[0].positions.size(); ++i) {
+      const auto [found, is_new] = seen.try_emplace(lattice_position(node.mesh, i), &node.mesh, i);
       if (!is_new) return {{found->second.first, &node.mesh}, {found->second.second, i}};
     }
   }
@@ -62,8 +63,8 @@ TEST(BlocksVerify, FindsNothingInASoundContainer) {
   std::uint64_t triangles = 0;
   for (const auto& [cube, node] : fixture.nodes)
     if (cube.level > 0) {
-      parents += node.mesh.positions.size();
-      triangles += node.mesh.triangles.size();
+      parents += node.mesh.parts[0].positions.size();
+      triangles += node.mesh.parts[0].triangles.size();
     }
   EXPECT_EQ(report.parents, parents);
   EXPECT_EQ(report.mapped_triangles, triangles);
@@ -75,8 +76,8 @@ TEST(BlocksVerify, LevelsAreCountedAsExtracted) {
   fixture.metadata.counts.clear();
   // Holes at every level, and the same triangle twice and once reversed.
   for (auto& [cube, node] : fixture.nodes)
-    if (node.mesh.triangles.size() > 4) {
-      auto& triangles = node.mesh.triangles;
+    if (node.mesh.parts[0].triangles.size() > 4) {
+      auto& triangles = node.mesh.parts[0].triangles;
       triangles.pop_back();
       triangles.push_back(triangles.front());
       triangles.push_back({triangles[1][1], triangles[1][0], triangles[1][2]});
@@ -95,7 +96,7 @@ TEST(BlocksVerify, LevelsAreCountedAsExtracted) {
 
 TEST(BlocksVerify, FindsAParentOutOfRange) {
   BlocksFixture fixture(torus(128, 40));
-  large_cube(fixture, 2).mesh.parents[3] = 1U << 20;
+  large_cube(fixture, 2).mesh.parts[0].parents[3] = 1U << 20;
   const measure::VerifyReport report = verified(fixture);
   expect_only(report, measure::FindingKind::kParent);
   EXPECT_EQ(report.total(), 1U);
@@ -104,7 +105,7 @@ TEST(BlocksVerify, FindsAParentOutOfRange) {
 TEST(BlocksVerify, FindsAWrongParentByTheMapAndItsNeighbours) {
   BlocksFixture fixture(torus(128, 40));
   const SharedPlace place = shared_place(fixture, 2);
-  auto& parent = place.meshes[0]->parents[place.vertices[0]];
+  auto& parent = place.meshes[0]->parts[0].parents[place.vertices[0]];
   parent = parent == 0 ? 1 : 0;
   const measure::VerifyReport report = verified(fixture);
   EXPECT_GE(report.count(measure::FindingKind::kShared), 1U) << to_text(report);
@@ -114,7 +115,7 @@ TEST(BlocksVerify, FindsAWrongParentByTheMapAndItsNeighbours) {
 TEST(BlocksVerify, FindsAParentThatIsTooFar) {
   BlocksFixture fixture(torus(128, 40));
   // The farthest parent in the same cube, in both copies of the container.
-  codec::coded::CubeMesh& mesh = large_cube(fixture, 3).mesh;
+  codec::coded::CodedPart& mesh = large_cube(fixture, 3).mesh.parts[0];
   mesh.parents[0] = *std::max_element(mesh.parents.begin(), mesh.parents.end());
   const measure::VerifyReport report = verified(fixture);
   EXPECT_EQ(report.count(measure::FindingKind::kCondition), 1U) << to_text(report);
@@ -126,18 +127,19 @@ TEST(BlocksVerify, ComparesLengthsWithSigma0Exactly) {
   BlocksFixture fixture(torus(128, 40));
   double least = 0.0;
   for (const auto& [cube, node] : fixture.nodes) {
-    for (const mesh::Triangle& t : node.mesh.triangles)
+    for (const mesh::Triangle& t : node.mesh.parts[0].triangles)
       for (std::size_t k = 0; k < 3; ++k)
-        least =
-            std::max(least, std::ldexp(static_cast<double>(hierarchy::max_distance(
-                                           node.mesh.positions[t[k]], node.mesh.positions[t[(k + 1) % 3]])),
-                                       cube.level - 13));
-    for (std::size_t i = 0; i < node.mesh.parents.size(); ++i)
-      least = std::max(least,
-                       std::ldexp(static_cast<double>(hierarchy::max_distance(
-                                      node.mesh.positions[i],
-                                      fixture.nodes.at(cube.parent()).mesh.positions[node.mesh.parents[i]])),
-                                  cube.level + 1 - 13));
+        least = std::max(
+            least,
+            std::ldexp(static_cast<double>(hierarchy::max_distance(
+                           lattice_position(node.mesh, t[k]), lattice_position(node.mesh, t[(k + 1) % 3]))),
+                       cube.level - 13));
+    for (std::size_t i = 0; i < node.mesh.parts[0].parents.size(); ++i)
+      least = std::max(least, std::ldexp(static_cast<double>(hierarchy::max_distance(
+                                             lattice_position(node.mesh, i),
+                                             lattice_position(fixture.nodes.at(cube.parent()).mesh,
+                                                              node.mesh.parts[0].parents[i]))),
+                                         cube.level + 1 - 13));
   }
   fixture.metadata.parameters[0].value = least;
   EXPECT_TRUE(verified(fixture).is_ok());
@@ -149,11 +151,11 @@ TEST(BlocksVerify, ComparesLengthsWithSigma0Exactly) {
 TEST(BlocksVerify, ComparesEdgesWithSigma0Exactly) {
   BlocksFixture fixture(torus(128, 40), 0, 0.25, 13);
   std::int64_t longest = 0;
-  const codec::coded::CubeMesh& mesh = fixture.nodes.at({}).mesh;
-  for (const mesh::Triangle& t : mesh.triangles)
+  const codec::coded::CodedNode& mesh = fixture.nodes.at({}).mesh;
+  for (const mesh::Triangle& t : mesh.parts[0].triangles)
     for (std::size_t k = 0; k < 3; ++k)
-      longest =
-          std::max(longest, hierarchy::max_distance(mesh.positions[t[k]], mesh.positions[t[(k + 1) % 3]]));
+      longest = std::max(longest, hierarchy::max_distance(lattice_position(mesh, t[k]),
+                                                          lattice_position(mesh, t[(k + 1) % 3])));
   double& sigma0 = fixture.metadata.parameters[0].value;
   sigma0 = std::ldexp(static_cast<double>(longest), -13);
   EXPECT_TRUE(verified(fixture).is_ok());
@@ -166,7 +168,7 @@ TEST(BlocksVerify, ComparesEdgesWithSigma0Exactly) {
 TEST(BlocksVerify, FindsTrianglesThatTheMapDoesNotMake) {
   for (int fault = 0; fault < 4; ++fault) {
     BlocksFixture fixture(torus(128, 40));
-    auto& triangles = large_cube(fixture, 1).mesh.triangles;
+    auto& triangles = large_cube(fixture, 1).mesh.parts[0].triangles;
     const mesh::Triangle t = triangles.back();
     if (fault == 0) triangles.pop_back();                   // lacks one
     if (fault == 1) triangles.back() = {t[1], t[0], t[2]};  // reversed
@@ -182,7 +184,7 @@ TEST(BlocksVerify, FindsTrianglesThatTheMapDoesNotMake) {
   }
   // The same triangle with another first corner is the same.
   BlocksFixture fixture(torus(128, 40));
-  for (auto& t : large_cube(fixture, 1).mesh.triangles) t = {t[1], t[2], t[0]};
+  for (auto& t : large_cube(fixture, 1).mesh.parts[0].triangles) t = {t[1], t[2], t[0]};
   EXPECT_EQ(verified(fixture).count(measure::FindingKind::kMap), 0U);
 }
 
@@ -191,9 +193,9 @@ TEST(BlocksVerify, FindsAttributesThatCubesDisagreeAbout) {
     BlocksFixture fixture(torus(128, 40));
     const SharedPlace place = shared_place(fixture, 3);
     if (is_normal)
-      place.meshes[1]->normals[place.vertices[1]][0] ^= 16;
+      place.meshes[1]->parts[0].normals[place.vertices[1]][0] ^= 16;
     else
-      place.meshes[1]->colors[place.vertices[1]][2] ^= 16;
+      place.meshes[1]->parts[0].colors[place.vertices[1]][2] ^= 16;
     const measure::VerifyReport report = verified(fixture);
     expect_only(report, measure::FindingKind::kShared);
     EXPECT_NE(to_text(report).find(is_normal ? "the normal" : "the colour"), std::string::npos);
@@ -203,7 +205,9 @@ TEST(BlocksVerify, FindsAttributesThatCubesDisagreeAbout) {
 TEST(BlocksVerify, FindsAVertexThatOneCubeMoves) {
   BlocksFixture fixture(torus(128, 40));
   const SharedPlace place = shared_place(fixture, 3);
-  place.meshes[1]->positions[place.vertices[1]].x += 1;
+  geometry::Point moved = lattice_position(*place.meshes[1], place.vertices[1]);
+  moved.x += 1;
+  move_vertex(*place.meshes[1], place.vertices[1], moved);
   // A crack that no map shows, since the parent is the same.
   EXPECT_GE(verified(fixture).count(measure::FindingKind::kBorder), 1U);
 }
@@ -211,7 +215,7 @@ TEST(BlocksVerify, FindsAVertexThatOneCubeMoves) {
 TEST(BlocksVerify, FindsBorderAndNonManifoldEdges) {
   BlocksFixture fixture(torus(128, 40));
   fixture.metadata.counts = {{"border_edges", 0}, {"nonmanifold_edges", 0}};
-  auto& triangles = large_cube(fixture, 3).mesh.triangles;
+  auto& triangles = large_cube(fixture, 3).mesh.parts[0].triangles;
   triangles.push_back(triangles.front());
   triangles.erase(triangles.begin() + 5);
   const measure::VerifyReport report = verified(fixture);
@@ -310,11 +314,15 @@ TEST(BlocksVerify, MeasuresTheErrorsAgainstTheInput) {
 // Where one small triangle is counted, among 20 in the interior; the lattice has 13 bits, blocks are 4 cubes.
 std::optional<CleftCounts::Zone> zone_at(const reader::blocks::CubeStatue& statue, int level, std::int32_t x,
                                          std::int32_t y, std::int32_t z, bool has_shifted_blocks = true) {
-  codec::coded::CubeMesh mesh;
-  mesh.positions = {{x - 1, y - 1, z}, {x + 1, y, z - 1}, {x, y + 1, z + 1},
-                    {999, 999, 1000},  {1001, 1000, 999}, {1000, 1001, 1001}};
-  mesh.triangles.assign(20, {3, 4, 5});
-  mesh.triangles.push_back({0, 1, 2});
+  codec::coded::CodedNode mesh = codec::coded::lattice_node();
+  set_lattice_positions(mesh, std::array<geometry::Point, 6>{{{x - 1, y - 1, z},
+                                                              {x + 1, y, z - 1},
+                                                              {x, y + 1, z + 1},
+                                                              {999, 999, 1000},
+                                                              {1001, 1000, 999},
+                                                              {1000, 1001, 1001}}});
+  mesh.parts[0].triangles.assign(20, {3, 4, 5});
+  mesh.parts[0].triangles.push_back({0, 1, 2});
   const CleftCounts counts = count_clefts(statue, level, mesh, 10.0, has_shifted_blocks);
   for (const auto zone : {CleftCounts::kLocked, CleftCounts::kEarlier})
     if (counts.triangles[zone] == 1) {
@@ -355,26 +363,29 @@ TEST(BlocksVerify, CleftDensitiesAreComparedWithTheRestOfTheCube) {
   BlocksFixture fixture(torus(128, 40));
   const auto statue = fixture.open();
   // Of one plane: squares of side 4 between the borders, four triangles in one square on a border.
-  codec::coded::CubeMesh mesh;
+  codec::coded::CodedNode mesh = codec::coded::lattice_node();
+  std::vector<mesh::Triangle>& triangles = mesh.parts[0].triangles;
+  std::vector<geometry::Point> positions;
   const auto add_square = [&](std::int32_t x, std::int32_t y) {
-    const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+    const auto base = static_cast<std::uint32_t>(positions.size());
     for (const auto& [dx, dy] : {std::array{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}})
-      mesh.positions.push_back({x + dx, y + dy, 1000});
+      positions.push_back({x + dx, y + dy, 1000});
     return base;
   };
   for (std::int32_t i = 0; i < 10; ++i) {
     const std::uint32_t v = add_square(1000 + 4 * i, 1000);
-    mesh.triangles.insert(mesh.triangles.end(), {{v, v + 1, v + 2}, {v, v + 2, v + 3}});
+    triangles.insert(triangles.end(), {{v, v + 1, v + 2}, {v, v + 2, v + 3}});
   }
   const std::uint32_t v = add_square(2048, 1000);
-  for (std::uint32_t k = 0; k < 4; ++k) mesh.triangles.push_back({v + k, v + (k + 1) % 4, v + 4});
+  for (std::uint32_t k = 0; k < 4; ++k) triangles.push_back({v + k, v + (k + 1) % 4, v + 4});
+  set_lattice_positions(mesh, positions);
   CleftCounts counts = count_clefts(*statue, 2, mesh, 10.0);
   EXPECT_EQ(counts.triangles[CleftCounts::kLocked], 4U);
   EXPECT_DOUBLE_EQ(counts.expected[CleftCounts::kLocked], 2.0);
   EXPECT_DOUBLE_EQ(counts.densities().locked.value(), 2.0);
   EXPECT_EQ(counts.densities().earlier, std::nullopt);
   // Without an interior to speak of, a cube says nothing.
-  mesh.triangles.erase(mesh.triangles.begin());
+  triangles.erase(triangles.begin());
   counts.add(count_clefts(*statue, 2, mesh, 10.0));
   EXPECT_EQ(counts.triangles[CleftCounts::kLocked], 4U);
   EXPECT_EQ(CleftCounts{}.densities().locked, std::nullopt);
@@ -384,7 +395,7 @@ TEST(BlocksVerify, CleftDensitiesAreComparedWithTheRestOfTheCube) {
 TEST(BlocksVerify, DoesNotCallAnErrorLooseThatTellsWhatIsMissing) {
   BlocksFixture fixture(torus(128, 40), 0, 0.25, 13);
   auto& node = fixture.nodes.at({});
-  node.mesh.triangles.resize(node.mesh.triangles.size() / 2);
+  node.mesh.parts[0].triangles.resize(node.mesh.parts[0].triangles.size() / 2);
   node.row.error = 2.0;
   const measure::Surface against = fixture.input.surface();
   measure::VerifyOptions options;
@@ -399,7 +410,7 @@ TEST(BlocksVerify, DoesNotCallAnErrorLooseThatTellsWhatIsMissing) {
 
 TEST(BlocksVerify, ReportsAreRepeatable) {
   BlocksFixture fixture(torus(128, 40));
-  large_cube(fixture, 2).mesh.triangles.pop_back();
+  large_cube(fixture, 2).mesh.parts[0].triangles.pop_back();
   const auto statue = fixture.open();
   EXPECT_EQ(measure::to_text(verify(*statue)), measure::to_text(verify(*statue)));
 }

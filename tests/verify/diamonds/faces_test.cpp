@@ -15,7 +15,7 @@ std::vector<FaceEntry> face_entries(const reader::diamonds::Statue& statue) {
     const reader::diamonds::Node node = statue.load(row);
     std::array<BoundaryChains, reader::diamonds::kMaxPlaces> chains;
     std::array<const BoundaryChains*, reader::diamonds::kMaxPlaces> present{};
-    for (const auto& part : node.mesh.tetrahedra) {
+    for (const auto& part : node.mesh.parts) {
       chains[part.place] = boundary_chains(part, node.diamond.tetrahedra[part.place]);
       present[part.place] = &chains[part.place];
     }
@@ -64,17 +64,17 @@ TEST(Faces, NormalizedChainsHaveNoOppositePairsAndNoPoints) {
   EXPECT_EQ(normalized({{b, c}, {a, b}}), (Chain{{a, b}, {b, c}}));
 }
 
-// Three vertices on the face opposite corner 0, two of them at one position: marks decide what is on the
-// face.
-TEST(Faces, UnmarkedEdgesInAFaceAreCountedUnlessTheyHaveNoLength) {
+// Two vertices on the face opposite corner 0, and one that is off all faces.
+TEST(Faces, AChainHasTheEdgesWhoseEndsAreOnTheFace) {
   const auto tetrahedron = hierarchy::Diamond::at(hierarchy::root_center()).tetrahedra[0];
-  codec::coded::QuantizedTetrahedron part;
-  part.weights = {{0, 256, 0, 0}, {0, 256, 0, 0}, {0, 0, 128, 128}};
-  part.marks = {1, 0, 1};
+  codec::coded::CodedPart part;
+  part.positions = {{0, 100, 100, 56}, {0, 50, 100, 106}, {10, 100, 90, 56}};
   part.triangles = {{0, 1, 2}};
   const BoundaryChains chains = boundary_chains(part, tetrahedron);
-  EXPECT_EQ(chains.faces[0].size(), 1U);  // from 2 to 0
-  EXPECT_EQ(chains.unmarked, 1U);         // from 1 to 2; that from 0 to 1 has no length
+  EXPECT_EQ(chains.faces[0], (Chain{{codec::coded::scaled_position(part.positions[0], tetrahedron),
+                                     codec::coded::scaled_position(part.positions[1], tetrahedron)}}));
+  for (const std::size_t other : {1U, 2U, 3U}) EXPECT_TRUE(chains.faces[other].empty());
+  EXPECT_TRUE(chains.edges.empty());
 }
 
 }  // namespace

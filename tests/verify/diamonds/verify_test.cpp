@@ -13,7 +13,7 @@ namespace colossus::verify::diamonds {
 using namespace support;
 namespace {
 
-using codec::coded::QuantizedTetrahedron;
+using codec::coded::CodedPart;
 
 measure::VerifyReport verified(StatueFixture& fixture, const measure::VerifyOptions& options = {}) {
   return verify(*fixture.open(), options);
@@ -22,7 +22,7 @@ measure::VerifyReport verified(StatueFixture& fixture, const measure::VerifyOpti
 // Some tetrahedron of a leaf with a vertex that lies on exactly one face; the vertex.
 struct FaceVertex {
   FixtureNode* node = nullptr;
-  QuantizedTetrahedron* part = nullptr;
+  CodedPart* part = nullptr;
   std::size_t vertex = 0;
   std::size_t face = 0;
 };
@@ -31,11 +31,14 @@ struct FaceVertex {
 FaceVertex some_face_vertex(StatueFixture& fixture, bool wants_leaf) {
   for (auto& [key, node] : fixture.nodes) {
     if (((node.row.flags & container::kNodeIsLeaf) != 0) != wants_leaf || key.first < 2) continue;
-    for (QuantizedTetrahedron& part : node.mesh.tetrahedra)
+    for (CodedPart& part : node.mesh.parts)
       for (const auto& t : part.triangles)
         for (std::size_t k = 0; k < 3; ++k) {
-          const auto common = static_cast<std::uint8_t>(part.marks[t[k]] & part.marks[t[(k + 1) % 3]]);
-          if (std::popcount(part.marks[t[k]]) == 1 && common == part.marks[t[k]])
+          const auto common =
+              static_cast<std::uint8_t>(codec::coded::marks_of(part.positions[t[k]]) &
+                                        codec::coded::marks_of(part.positions[t[(k + 1) % 3]]));
+          if (std::popcount(codec::coded::marks_of(part.positions[t[k]])) == 1 &&
+              common == codec::coded::marks_of(part.positions[t[k]]))
             return {&node, &part, t[k], static_cast<std::size_t>(std::countr_zero(common))};
         }
   }
@@ -45,7 +48,7 @@ FaceVertex some_face_vertex(StatueFixture& fixture, bool wants_leaf) {
 
 // Moves weight between two corners of the face, which keeps the vertex on it.
 void move_within_face(const FaceVertex& at, std::uint32_t amount) {
-  auto& weights = at.part->weights[at.vertex];
+  auto& weights = at.part->positions[at.vertex];
   std::array<std::size_t, 3> corners{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < 4; ++i)
@@ -80,7 +83,7 @@ TEST(Verify, CountsTheSameEdgesAsTheExtractedCuts) {
   // Some holes, so that there is something to count.
   int nth = 0;
   for (auto& [key, node] : fixture.nodes)
-    for (auto& part : node.mesh.tetrahedra)
+    for (auto& part : node.mesh.parts)
       if (++nth % 5 == 0 && part.triangles.size() > 1) {
         part.triangles.pop_back();
         reorder(part);
@@ -129,14 +132,20 @@ TEST(Verify, FindsADroppedTriangleAtAFaceAndInside) {
     StatueFixture fixture(torus(40, 24), 100);
     bool is_dropped = false;
     for (auto& [key, node] : fixture.nodes)
-      for (auto& part : node.mesh.tetrahedra)
+      for (auto& part : node.mesh.parts)
         for (std::size_t i = 0; i < part.triangles.size() && !is_dropped; ++i) {
           const auto& t = part.triangles[i];
           int face_edges = 0;
           for (std::size_t k = 0; k < 3; ++k)
-            face_edges += (part.marks[t[k]] & part.marks[t[(k + 1) % 3]]) != 0 ? 1 : 0;
-          if (key.first < 3 ||
-              (at_face ? face_edges == 0 : part.marks[t[0]] + part.marks[t[1]] + part.marks[t[2]] != 0))
+            face_edges += (codec::coded::marks_of(part.positions[t[k]]) &
+                           codec::coded::marks_of(part.positions[t[(k + 1) % 3]])) != 0
+                              ? 1
+                              : 0;
+          if (key.first < 3 || (at_face ? face_edges == 0
+                                        : codec::coded::marks_of(part.positions[t[0]]) +
+                                                  codec::coded::marks_of(part.positions[t[1]]) +
+                                                  codec::coded::marks_of(part.positions[t[2]]) !=
+                                              0))
             continue;
           part.triangles.erase(part.triangles.begin() + static_cast<std::ptrdiff_t>(i));
           reorder(part);
@@ -152,7 +161,7 @@ TEST(Verify, FindsADroppedTriangleAtAFaceAndInside) {
 TEST(Verify, ComparesWithTheFinestCutWhereTheInputWasNotCounted) {
   StatueFixture fixture(torus(40, 24), 100);
   fixture.metadata.counts.clear();
-  auto& part = fixture.nodes.begin()->second.mesh.tetrahedra.front();
+  auto& part = fixture.nodes.begin()->second.mesh.parts.front();
   part.triangles.pop_back();
   reorder(part);
   EXPECT_GE(verified(fixture).count(measure::FindingKind::kBorder), 1U);
@@ -286,13 +295,13 @@ TEST(Verify, KnowsSurfacesAlongEdgesOfTheHierarchy) {
 
   bool is_dropped = false;
   for (auto& [key, node] : fixture.nodes)
-    for (auto& part : node.mesh.tetrahedra)
+    for (auto& part : node.mesh.parts)
       for (std::size_t i = 0; i < part.triangles.size() && !is_dropped; ++i) {
         const auto& t = part.triangles[i];
         for (std::size_t k = 0; k < 3; ++k)
-          is_dropped =
-              is_dropped ||
-              std::popcount(static_cast<std::uint8_t>(part.marks[t[k]] & part.marks[t[(k + 1) % 3]])) == 2;
+          is_dropped = is_dropped || std::popcount(static_cast<std::uint8_t>(
+                                         codec::coded::marks_of(part.positions[t[k]]) &
+                                         codec::coded::marks_of(part.positions[t[(k + 1) % 3]]))) == 2;
         if (!is_dropped) continue;
         part.triangles.erase(part.triangles.begin() + static_cast<std::ptrdiff_t>(i));
         reorder(part);
@@ -348,7 +357,6 @@ TEST(Verify, MeasuresTheErrorsAgainstTheInput) {
   EXPECT_GT(verified(tight, options).count(measure::FindingKind::kDistance), tight.nodes.size() / 3);
 }
 
-// Without any marks no face has a polyline, and all agree; in a closed surface that is impossible.
 TEST(Verify, BoundsTheExamplesButCountsAll) {
   StatueFixture fixture(torus(40, 24), 100);
   for (auto& [key, node] : fixture.nodes) node.row.error = key.first;

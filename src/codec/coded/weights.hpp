@@ -1,5 +1,4 @@
-// A node's geometry as it is stored: per tetrahedron, integer barycentric weights, octahedral normals,
-// colours.
+// Positions within a tetrahedron: barycentric weights, and what follows from them alone.
 #pragma once
 
 #include <array>
@@ -26,30 +25,15 @@ inline std::uint8_t marks_of(const Weights& weights) {
   return marks;
 }
 
+// Of each vertex, for whoever asks for them more often than once.
+inline std::vector<std::uint8_t> marks_of(const std::vector<Weights>& weights) {
+  std::vector<std::uint8_t> marks(weights.size());
+  for (std::size_t v = 0; v < marks.size(); ++v) marks[v] = marks_of(weights[v]);
+  return marks;
+}
+
 // Where the first three weights lead: the corners as seen from the last, in units that make them small.
 Frame frame_of(const hierarchy::Tetrahedron& tetrahedron);
-
-// One tetrahedron of a node. All vertex arrays have one entry per vertex, or none where the attribute is
-// absent.
-struct QuantizedTetrahedron {
-  std::uint8_t place = 0;
-  Frame frame = kIdentityFrame;  // frame_of() the tetrahedron
-  std::vector<Weights> weights;
-  // marks_of() the weights.
-  std::vector<std::uint8_t> marks;
-  std::vector<OctahedralNormal> normals;
-  std::vector<mesh::Color> colors;
-  std::vector<mesh::Triangle> triangles;
-  friend bool operator==(const QuantizedTetrahedron&, const QuantizedTetrahedron&) = default;
-};
-
-struct NodeMesh {
-  int position_bits = kDefaultPositionBits;
-  bool has_normals = false;
-  bool has_colors = false;
-  std::vector<QuantizedTetrahedron> tetrahedra;  // by ascending place
-  friend bool operator==(const NodeMesh&, const NodeMesh&) = default;
-};
 
 // A decoded position times 2^position_bits, exact in 64 bits.
 using ScaledPosition = std::array<std::int64_t, 3>;

@@ -1,5 +1,3 @@
-#include "codec/cube_codec.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +8,8 @@
 #include <string>
 
 #include "codec/allocation_count.hpp"
-#include "codec/coded/renumber.hpp"
+#include "codec/coded/lattice_node.hpp"
+#include "codec/node_codec.hpp"
 #include "core/hash.hpp"
 
 namespace colossus::codec {
@@ -58,11 +57,13 @@ std::vector<Triangle> random_triangles(Random& random, std::uint32_t used) {
   return triangles;
 }
 
-coded::CubeMesh random_cube(Random& random, const Shape& shape) {
-  coded::CubeMesh cube;
-  cube.has_normals = (shape.flags & 1) != 0;
-  cube.has_colors = (shape.flags & 2) != 0;
-  cube.has_parents = (shape.flags & 4) != 0;
+coded::CodedNode random_node(Random& random, const Shape& shape) {
+  coded::CodedNode node = coded::lattice_node();
+  coded::CodedPart& cube = node.parts[0];
+  std::vector<Point> positions;
+  node.has_normals = (shape.flags & 1) != 0;
+  node.has_colors = (shape.flags & 2) != 0;
+  node.has_parents = (shape.flags & 4) != 0;
   const std::int64_t extent =
       std::min((std::int64_t{1} << shape.width) - 1, std::int64_t{kGreatest} - kLeast);
   Point low;
@@ -74,96 +75,94 @@ coded::CubeMesh random_cube(Random& random, const Shape& shape) {
       p[axis] = static_cast<std::int32_t>(low[axis] + (v == 0   ? 0
                                                        : v == 1 ? extent
                                                                 : pick(random, 0, extent)));
-    cube.positions.push_back(p);
-    if (cube.has_normals) cube.normals.push_back({random_byte(random), random_byte(random)});
-    if (cube.has_colors)
+    positions.push_back(p);
+    if (node.has_normals) cube.normals.push_back({random_byte(random), random_byte(random)});
+    if (node.has_colors)
       cube.colors.push_back(
           {random_byte(random), random_byte(random), random_byte(random), random_byte(random)});
-    if (cube.has_parents)
+    if (node.has_parents)
       cube.parents.push_back(v == 0 ? shape.greatest_parent
                                     : static_cast<std::uint32_t>(pick(random, 0, shape.greatest_parent)));
   }
   cube.triangles = random_triangles(random, shape.used);
-  return cube;
+  set_lattice_positions(node, positions);
+  return node;
 }
 
-coded::CubeMesh in_order(coded::CubeMesh cube, const Codec& codec) {
-  codec.order(cube.triangles, cube.positions.size());
-  const auto before = coded::renumber_by_first_use(cube.triangles, cube.positions.size());
-  coded::permute(cube.positions, before);
-  coded::permute(cube.normals, before);
-  coded::permute(cube.colors, before);
-  coded::permute(cube.parents, before);
-  return cube;
+coded::CodedNode in_order(coded::CodedNode node, const Codec& codec) {
+  put_in_order(node.parts[0], codec);
+  return node;
 }
 
-core::Bytes bytes_of(const coded::CubeMesh& cube, const Codec& codec) {
-  return encode(in_order(cube, codec), codec).bytes;
+core::Bytes bytes_of(const coded::CodedNode& node, const Codec& codec) {
+  return encode(in_order(node, codec), codec).bytes;
 }
 
 // No test has more.
 constexpr NodeCounts kMost{1000000, 1000000};
 
-void expect_round_trip(const coded::CubeMesh& cube) {
+void expect_round_trip(const coded::CodedNode& node) {
   for (const Codec& codec : codecs()) {
     SCOPED_TRACE(codec.name);
-    const coded::CubeMesh ordered = in_order(cube, codec);
-    const auto decoded = decode_cube(encode(ordered, codec).bytes, kMost);
+    const coded::CodedNode ordered = in_order(node, codec);
+    const auto decoded = decode_on_lattice(encode(ordered, codec).bytes, kMost);
     ASSERT_TRUE(decoded) << decoded.defect().message << " at " << decoded.defect().offset;
     EXPECT_TRUE(decoded.value() == ordered);
   }
 }
 
-TEST(CubeCodec, DecodesWhatItEncoded) {
+TEST(LatticeCodec, DecodesWhatItEncoded) {
   std::uint64_t seed = 100;
   for (int width = 0; width <= 32; ++width)
     for (int flags = 0; flags < 8; ++flags)
       for (int round = 0; round < 4; ++round) {
         Random random(++seed);
         SCOPED_TRACE(testing::Message() << "seed " << seed << ", width " << width << ", flags " << flags);
-        expect_round_trip(random_cube(random, {flags, static_cast<std::uint32_t>(pick(random, 0, 100)),
+        expect_round_trip(random_node(random, {flags, static_cast<std::uint32_t>(pick(random, 0, 100)),
                                                static_cast<std::uint32_t>(pick(random, 0, 20)), width,
                                                static_cast<std::uint32_t>(pick(random, 0, 100000))}));
       }
 }
 
 // Where the sizes of an index and of a parent's index change.
-TEST(CubeCodec, DecodesAnyNumberOfVerticesAndAnyParent) {
+TEST(LatticeCodec, DecodesAnyNumberOfVerticesAndAnyParent) {
   for (const std::uint32_t count : {0U, 1U, 2U, 254U, 255U, 256U, 257U, 65534U, 65535U, 65536U, 65537U})
     for (const std::uint32_t unused : {0U, 1U, 300U}) {
       constexpr std::uint64_t kSeed = 1;
       SCOPED_TRACE(testing::Message() << "seed " << kSeed << ", vertices " << count << " + " << unused);
       Random random(kSeed);
-      expect_round_trip(random_cube(random, {0, count, unused}));
+      expect_round_trip(random_node(random, {0, count, unused}));
     }
   for (const std::uint32_t parent : {0U, 255U, 256U, 65535U, 65536U, 0xffffffffU}) {
     Random random(2);
-    expect_round_trip(random_cube(random, {4, 10, 2, 12, parent}));
+    expect_round_trip(random_node(random, {4, 10, 2, 12, parent}));
   }
 }
 
-TEST(CubeCodec, KeepsTheFarthestCoordinates) {
-  coded::CubeMesh cube;
-  cube.positions = {{kLeast, 0, kGreatest}, {kGreatest, kLeast, 0}, {0, kGreatest, kLeast}};
-  cube.triangles = {{0, 1, 2}};
-  expect_round_trip(cube);
-  cube.positions = {{kGreatest, kGreatest, kGreatest}, {kGreatest, kGreatest, kGreatest}};
-  cube.triangles.clear();
-  expect_round_trip(cube);
+TEST(LatticeCodec, KeepsTheFarthestCoordinates) {
+  coded::CodedNode node = coded::lattice_node();
+  set_lattice_positions(
+      node, std::array<Point, 3>{{{kLeast, 0, kGreatest}, {kGreatest, kLeast, 0}, {0, kGreatest, kLeast}}});
+  node.parts[0].triangles = {{0, 1, 2}};
+  expect_round_trip(node);
+  set_lattice_positions(
+      node, std::array<Point, 2>{{{kGreatest, kGreatest, kGreatest}, {kGreatest, kGreatest, kGreatest}}});
+  node.parts[0].triangles.clear();
+  expect_round_trip(node);
 }
 
-TEST(CubeCodec, RefusesAnyOtherLength) {
+TEST(LatticeCodec, RefusesAnyOtherLength) {
   for (const Codec& codec : codecs())
     for (std::uint64_t seed = 1; seed <= 24; ++seed) {
       SCOPED_TRACE(testing::Message() << codec.name << ", seed " << seed);
       Random random(seed);
       core::Bytes bytes =
-          bytes_of(random_cube(random, {static_cast<int>(seed % 8), 20, 3, static_cast<int>(seed)}), codec);
+          bytes_of(random_node(random, {static_cast<int>(seed % 8), 20, 3, static_cast<int>(seed)}), codec);
       for (std::size_t size = 0; size < bytes.size(); ++size)
-        EXPECT_FALSE(decode_cube(std::span(bytes).first(size), kMost))
+        EXPECT_FALSE(decode_on_lattice(std::span(bytes).first(size), kMost))
             << "cut to " << size << " of " << bytes.size();
       bytes.push_back(std::byte{0});
-      EXPECT_FALSE(decode_cube(bytes, kMost));
+      EXPECT_FALSE(decode_on_lattice(bytes, kMost));
     }
 }
 
@@ -174,13 +173,15 @@ void seal(core::Bytes& bytes) {
   std::memcpy(bytes.data() + size, &checksum, sizeof checksum);
 }
 
-void expect_valid(const coded::CubeMesh& cube) {
+void expect_valid(const coded::CodedNode& node) {
+  ASSERT_EQ(node.parts.size(), 1U);
+  const coded::CodedPart& cube = node.parts[0];
   const std::size_t count = cube.positions.size();
-  for (const Point& p : cube.positions)
+  for (const Point& p : lattice_positions(node))
     for (int axis = 0; axis < 3; ++axis) EXPECT_GE(p[axis], kLeast);
-  EXPECT_EQ(cube.normals.size(), cube.has_normals ? count : 0);
-  EXPECT_EQ(cube.colors.size(), cube.has_colors ? count : 0);
-  EXPECT_EQ(cube.parents.size(), cube.has_parents ? count : 0);
+  EXPECT_EQ(cube.normals.size(), node.has_normals ? count : 0);
+  EXPECT_EQ(cube.colors.size(), node.has_colors ? count : 0);
+  EXPECT_EQ(cube.parents.size(), node.has_parents ? count : 0);
   std::uint32_t next = 0;
   for (const Triangle& t : cube.triangles)
     for (const std::uint32_t v : t) {
@@ -190,23 +191,23 @@ void expect_valid(const coded::CubeMesh& cube) {
     }
 }
 
-TEST(CubeCodec, AnyFlippedBitUnderARightChecksumIsRefusedOrAValidCube) {
+TEST(LatticeCodec, AnyFlippedBitUnderARightChecksumIsRefusedOrAValidCube) {
   for (const Codec& codec : codecs()) {
     std::size_t refused = 0;
     std::size_t accepted = 0;
     for (std::uint64_t seed = 1; seed <= 64; ++seed) {
       Random random(seed);
       const core::Bytes original =
-          bytes_of(random_cube(random, {static_cast<int>(seed % 8), static_cast<std::uint32_t>(seed % 7),
+          bytes_of(random_node(random, {static_cast<int>(seed % 8), static_cast<std::uint32_t>(seed % 7),
                                         static_cast<std::uint32_t>(seed % 3), static_cast<int>(seed % 33)}),
                    codec);
       for (std::size_t bit = 0; bit < 8 * original.size(); ++bit) {
         SCOPED_TRACE(testing::Message() << codec.name << ", seed " << seed << ", bit " << bit);
         core::Bytes bytes = original;
         bytes[bit / 8] ^= std::byte{1} << bit % 8;
-        EXPECT_FALSE(decode_cube(bytes, {100, 200}));
+        EXPECT_FALSE(decode_on_lattice(bytes, {100, 200}));
         seal(bytes);
-        const auto decoded = decode_cube(bytes, {100, 200});
+        const auto decoded = decode_on_lattice(bytes, {100, 200});
         ++(decoded ? accepted : refused);
         if (decoded) expect_valid(decoded.value());
         if (HasFailure()) return;
@@ -218,21 +219,19 @@ TEST(CubeCodec, AnyFlippedBitUnderARightChecksumIsRefusedOrAValidCube) {
 }
 
 std::string defect_of(const core::Bytes& bytes) {
-  const auto decoded = decode_cube(bytes, {100, 200});
+  const auto decoded = decode_on_lattice(bytes, {100, 200});
   return decoded ? "none" : decoded.defect().message;
 }
 
 coded::CodedNode two_points(const Point& offset, std::uint32_t up, int bits) {
-  coded::CodedNode node;
-  node.is_cube = true;
+  coded::CodedNode node = coded::lattice_node();
   node.offset = offset;
   node.position_bits = bits;
-  node.parts.resize(1);
   node.parts[0].positions = {{0, 0, 0, 0}, {up, up, up, 0}};
   return node;
 }
 
-TEST(CubeCodec, RefusesCoordinatesOutOfRange) {
+TEST(LatticeCodec, RefusesCoordinatesOutOfRange) {
   for (const Codec& codec : codecs()) {
     const auto defect = [&](std::int32_t low, std::uint32_t up) {
       return defect_of(to_payload(two_points({low, low, low}, up, up == 0 ? 0 : 1), codec).bytes);
@@ -245,7 +244,7 @@ TEST(CubeCodec, RefusesCoordinatesOutOfRange) {
   }
 }
 
-TEST(CubeCodec, RefusesAnotherEncodingOfTheSameCube) {
+TEST(LatticeCodec, RefusesAnotherEncodingOfTheSameCube) {
   for (const Codec& codec : codecs()) {
     EXPECT_EQ(defect_of(to_payload(two_points({0, 0, 0}, 1, 1), codec).bytes), "none");
     EXPECT_EQ(defect_of(to_payload(two_points({0, 0, 0}, 1, 2), codec).bytes),
@@ -256,7 +255,7 @@ TEST(CubeCodec, RefusesAnotherEncodingOfTheSameCube) {
   }
 }
 
-TEST(CubeCodec, RefusesEarlierVersionsWithAClearWord) {
+TEST(LatticeCodec, RefusesEarlierVersionsWithAClearWord) {
   for (const int scheme : {1, 2}) {
     core::Bytes bytes(100);
     bytes[0] = static_cast<std::byte>(scheme);
@@ -268,37 +267,46 @@ TEST(CubeCodec, RefusesEarlierVersionsWithAClearWord) {
 
 // Counts that the node table does not know allocate nothing; what decodes takes a small multiple of the
 // result, and some tables.
-TEST(CubeCodec, AllocatesNoMoreThanASmallMultipleOfItsResult) {
+TEST(LatticeCodec, AllocatesNoMoreThanASmallMultipleOfItsResult) {
   Random random(7);
   for (const Codec& codec : codecs())
     for (int flags = 0; flags < 8; ++flags) {
-      const core::Bytes bytes = bytes_of(random_cube(random, {flags, 250, 0, 0, 0}), codec);
+      const core::Bytes bytes = bytes_of(random_node(random, {flags, 250, 0, 0, 0}), codec);
       std::size_t before = allocated_bytes();
-      EXPECT_TRUE(decode_cube(bytes, kMost));
+      EXPECT_TRUE(decode_on_lattice(bytes, kMost));
       EXPECT_LT(allocated_bytes() - before, 250000U) << codec.name << ", flags " << flags;
       core::Bytes large = bytes;
       std::memset(large.data() + 9, 0xff, 8);  // vertices and triangles of the one part
       seal(large);
       before = allocated_bytes();
-      EXPECT_FALSE(decode_cube(large, {250, 1000}));
+      EXPECT_FALSE(decode_on_lattice(large, {250, 1000}));
       EXPECT_LT(allocated_bytes() - before, 10000U) << codec.name << ", flags " << flags;
     }
 }
 
-TEST(CubeCodecDeathTest, RefusesToEncodeWhatItCouldNotDecode) {
+TEST(LatticeCodecDeathTest, RefusesToEncodeWhatItCouldNotDecode) {
   const Codec& zstd = codec_named("zstd");
-  coded::CubeMesh cube;
-  cube.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  cube.triangles = {{0, 2, 1}};
-  EXPECT_DEATH(encode(cube, zstd), "order of first use");
-  cube.triangles = {{0, 1, 2}, {1, 2, 3}};
-  EXPECT_DEATH(encode(cube, zstd), "vertex 3 of 3");
-  cube.triangles.clear();
-  cube.positions[1].y = kLeast - 1;
-  EXPECT_DEATH(encode(cube, zstd), "position");
-  cube.positions[1].y = 0;
-  cube.has_parents = true;
-  EXPECT_DEATH(encode(cube, zstd), "0 parents");
+  coded::CodedNode node = coded::lattice_node();
+  std::vector<mesh::Triangle>& triangles = node.parts[0].triangles;
+  std::vector<Point> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  set_lattice_positions(node, positions);
+  triangles = {{0, 2, 1}};
+  EXPECT_DEATH(encode(node, zstd), "order of first use");
+  triangles = {{0, 1, 2}, {1, 2, 3}};
+  EXPECT_DEATH(encode(node, zstd), "vertex 3 of 3");
+  triangles.clear();
+  ++node.position_bits;
+  EXPECT_DEATH(encode(node, zstd), "position bits");
+  positions[1].y = kLeast - 1;
+  set_lattice_positions(node, positions);
+  EXPECT_DEATH(encode(node, zstd), "the offset is out of range");
+  positions[1].y = 0;
+  set_lattice_positions(node, positions);
+  node.has_parents = true;
+  EXPECT_DEATH(encode(node, zstd), "0 parents");
+  node.has_parents = false;
+  node.parts.resize(2);
+  EXPECT_DEATH(encode(node, zstd), "2 parts");
 }
 
 }  // namespace
