@@ -1,0 +1,70 @@
+#include "pipeline/nodes/finest_level.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/error.hpp"
+
+namespace colossus::pipeline::nodes {
+namespace {
+
+// An input of area 1000 on a lattice of step 0.5, and leaves with so much of it on one of step 0.25.
+facts::Catalog input() {
+  facts::Catalog catalog;
+  catalog.files.push_back({"a.ply", 0, "", false, false});
+  catalog.area = 1000.0;
+  catalog.lattice.step = 0.5;
+  return catalog;
+}
+
+facts::Hierarchy leaves(double share, std::uint32_t triangles, int position_bits = 12) {
+  facts::Hierarchy hierarchy;
+  hierarchy.lattice.step = 0.25;
+  hierarchy.position_bits = position_bits;
+  facts::FinishedNode node;
+  node.area = share * 4000.0;
+  node.row.triangles = triangles;
+  node.row.flags = container::kNodeIsLeaf;
+  hierarchy.add(node);
+  return hierarchy;
+}
+
+TEST(AreaCheck, ComparesOnOneLattice) {
+  const AreaCheck check(input(), leaves(0.75, 1));
+  EXPECT_DOUBLE_EQ(check.input, 4000.0);
+  EXPECT_DOUBLE_EQ(check.finest, 3000.0);
+}
+
+TEST(AreaCheck, DiffersByMoreThanAThousandthAtTwelveBits) {
+  for (const double share : {0.9991, 1.0, 1.0009})
+    EXPECT_FALSE(AreaCheck(input(), leaves(share, 1)).differs());
+  for (const double share : {0.5, 0.9989, 1.0011}) {
+    EXPECT_TRUE(AreaCheck(input(), leaves(share, 1)).differs());
+    EXPECT_FALSE(AreaCheck(input(), leaves(share, 1, 11)).differs()) << "fewer bits are rough";
+  }
+}
+
+TEST(LostSurface, IsRefusedBelowHalf) {
+  EXPECT_NO_THROW(refuse_lost_surface(input(), leaves(0.51, 1)));
+  for (const auto& [share, triangles] : {std::pair{0.49, 10U}, {1.0, 0U}}) {
+    try {
+      refuse_lost_surface(input(), leaves(share, triangles));
+      ADD_FAILURE() << share;
+    } catch (const core::Error& error) {
+      EXPECT_EQ(error.status(), core::Status::kBadData);
+      EXPECT_EQ(std::string(error.what()).find("a.ply: the finest level would have"), 0U);
+    }
+  }
+}
+
+TEST(FinestLevel, IsWarnedOfWhereItDiffers) {
+  const auto said = [](double share) {
+    ::testing::internal::CaptureStderr();
+    log_finest_level(input(), leaves(share, 1));
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said(1.0), "");
+  EXPECT_NE(said(0.9).find("90.000 %"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace colossus::pipeline::nodes

@@ -1,0 +1,99 @@
+#include "pipeline/schemes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "core/error.hpp"
+#include "hierarchy/octree.hpp"
+
+namespace colossus::pipeline {
+namespace {
+
+using facts::BuildOptions;
+using Change = std::function<void(BuildOptions&)>;
+
+// Whether the scheme takes the options; else the message names `option`.
+bool takes(const char* scheme, const Change& change, const std::string& option) {
+  BuildOptions options;
+  options.scheme = scheme;
+  change(options);
+  try {
+    scheme_named(scheme).check(options);
+    return true;
+  } catch (const core::Error& error) {
+    EXPECT_EQ(error.status(), core::Status::kUsage);
+    EXPECT_EQ(std::string(error.what()).find(option), 0U) << error.what();
+    return false;
+  }
+}
+
+TEST(Schemes, AreFoundByTheirNamesTheDefaultFirst) {
+  std::set<std::string> names;
+  for (const nodes::Scheme& scheme : schemes()) {
+    EXPECT_EQ(&scheme_named(scheme.name), &scheme);
+    names.insert(scheme.name);
+  }
+  EXPECT_EQ(names.size(), schemes().size());
+  EXPECT_EQ(BuildOptions{}.scheme, schemes()[0].name);
+}
+
+TEST(Schemes, ThatAreUnknownAreRefusedWithThoseThatAreNot) {
+  for (const char* name : {"", "diamond", "Diamonds", "cubes"}) {
+    try {
+      scheme_named(name);
+      ADD_FAILURE() << name;
+    } catch (const core::Error& error) {
+      EXPECT_EQ(error.status(), core::Status::kUsage);
+      for (const nodes::Scheme& scheme : schemes())
+        EXPECT_NE(std::string(error.what()).find(scheme.name), std::string::npos);
+    }
+  }
+}
+
+TEST(Schemes, TakePositionBitsWithinTheirRange) {
+  for (const nodes::Scheme& scheme : schemes())
+    for (int bits = -1; bits < 40; ++bits)
+      EXPECT_EQ(takes(
+                    scheme.name, [&](BuildOptions& o) { o.position_bits = bits; }, "--position-bits"),
+                bits >= codec::coded::kMinPositionBits && bits <= codec::coded::kMaxPositionBits)
+          << scheme.name << " " << bits;
+}
+
+TEST(Diamonds, RefuseTheOptionsOfBlocks) {
+  const auto diamonds = container::kSchemeDiamonds;
+  EXPECT_TRUE(takes(
+      diamonds, [](BuildOptions&) {}, ""));
+  EXPECT_FALSE(takes(
+      diamonds, [](BuildOptions& o) { o.levels = 3; }, "--levels"));
+  EXPECT_FALSE(takes(
+      diamonds, [](BuildOptions& o) { o.block_size = 8; }, "--block-size"));
+  EXPECT_FALSE(takes(
+      diamonds, [](BuildOptions& o) { o.color_weight = 1.0; }, "--color-weight"));
+}
+
+TEST(Blocks, TakeTheirOptionsWithinTheirRanges) {
+  const auto blocks = container::kSchemeBlocks;
+  EXPECT_TRUE(takes(
+      blocks, [](BuildOptions&) {}, ""));
+  for (int levels = -2; levels < 20; ++levels)
+    EXPECT_EQ(takes(
+                  blocks, [&](BuildOptions& o) { o.levels = levels; }, "--levels"),
+              levels >= 0 && levels <= 14);
+  for (int size = -4; size < 100; ++size)
+    EXPECT_EQ(takes(
+                  blocks, [&](BuildOptions& o) { o.block_size = size; }, "--block-size"),
+              size % 4 == 0 && size >= hierarchy::kLeastBlockSize && size <= hierarchy::kGreatestBlockSize)
+        << size;
+  for (const double weight : {0.0, 0.5, 1e6})
+    EXPECT_TRUE(takes(
+        blocks, [&](BuildOptions& o) { o.color_weight = weight; }, ""));
+  for (const double weight : {-0.1, std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_FALSE(takes(
+        blocks, [&](BuildOptions& o) { o.color_weight = weight; }, "--color-weight"));
+}
+
+}  // namespace
+}  // namespace colossus::pipeline
