@@ -2,9 +2,12 @@
 #include <hdf5.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <fstream>
+#include <limits>
 #include <memory>
 
 #include "container/fixtures.hpp"
@@ -253,27 +256,42 @@ TEST(Writer, SurvivesAFailureAtAnyByteAndLeavesNothing) {
   EXPECT_EQ(core::read_file(folder / "a.h5"), good) << "failures leave no trace in HDF5";
 }
 
-TEST(Reader, OpensTwentyThousandNodesInMilliseconds) {
-  const Folder folder;
-  Sample sample = make_sample(64);
-  const std::vector<NodeRow> rows = std::move(sample.rows);
-  const std::vector<PackedChunk> chunks = std::move(sample.chunks);
-  sample.rows.clear();
-  sample.chunks.clear();
-  for (std::uint32_t i = 0; i < 20000; ++i) {
-    sample.rows.push_back(rows[i % 64]);
-    sample.rows.back().level = 12;
-    sample.rows.back().center = {static_cast<std::int32_t>(i), 0, 0};
-    sample.chunks.push_back(chunks[i % 64]);
+// The least processor time of some attempts to open it, in seconds: other programs make it longer, never
+// shorter.
+double seconds_to_open(const std::filesystem::path& path, std::size_t nodes) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 5; ++i) {
+    const std::clock_t start = std::clock();
+    const ContainerReader reader(path);
+    const std::clock_t end = std::clock();
+    EXPECT_EQ(reader.rows().size(), nodes);
+    least = std::min(least, static_cast<double>(end - start) / CLOCKS_PER_SEC);
   }
-  write_sample(sample, folder / "a.h5");
-  const auto start = std::chrono::steady_clock::now();
-  const ContainerReader reader(folder / "a.h5");
-  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-  EXPECT_EQ(reader.rows().size(), 20000u);
-  RecordProperty("milliseconds", std::to_string(took.count()));
-  std::printf("opened 20,000 nodes in %.2f ms\n", took.count());
-  EXPECT_LT(took.count(), 500) << "generous, for debug builds with sanitizers on a busy machine";
+  return least;
+}
+
+// HDF5 looks up a chunk by its number in time that grows with the number of chunks: asked for each of them,
+// four times the nodes would take 16 times as long.
+TEST(Reader, OpensInTimeThatGrowsAsTheNodesDo) {
+  const Folder folder;
+  const Sample few = make_sample(64);
+  const auto write = [&](std::uint32_t nodes) {
+    Sample sample = few;
+    sample.rows.clear();
+    sample.chunks.clear();
+    for (std::uint32_t i = 0; i < nodes; ++i) {
+      sample.rows.push_back(few.rows[i % 64]);
+      sample.rows.back().level = 12;
+      sample.rows.back().center = {static_cast<std::int32_t>(i), 0, 0};
+      sample.chunks.push_back(few.chunks[i % 64]);
+    }
+    const auto path = folder / fmt::format("{}.h5", nodes).c_str();
+    write_sample(sample, path);
+    return path;
+  };
+  const double one = seconds_to_open(write(5000), 5000);
+  const double four = seconds_to_open(write(20000), 20000);
+  EXPECT_LT(four, 8 * one);
 }
 
 }  // namespace

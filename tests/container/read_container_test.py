@@ -7,7 +7,6 @@ import struct
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 try:
@@ -266,11 +265,9 @@ class Program(unittest.TestCase):
         self.assertEqual((len(vertices), len(faces)), (24, 12))
         self.check_root(vertices, faces)
 
-    def test_a_thousand_nodes_take_seconds(self):
+    def test_decodes_a_thousand_nodes(self):
         subprocess.run([SAMPLE, self.path, "1000", "zstd"], check=True)
-        start = time.monotonic()
         result = run(self.path, "--level", "15", "-o", self.ply)
-        print(f"1000 nodes: {time.monotonic() - start:.2f} s", file=sys.stderr)
         self.assertIn("1000 nodes, 36000 vertices, 18000 triangles", result.stdout)
 
     def test_damage_is_named(self):

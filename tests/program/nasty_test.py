@@ -1,6 +1,5 @@
 """Inputs that break mesh programs, each with its expected result."""
 import os
-import time
 
 import numpy as np
 
@@ -134,9 +133,7 @@ class Nasty(program.ColossusTest):
     def test_fan_at_one_vertex(self):
         """No bisection thins out the triangles at the middle: a leaf stays above the limit, and is counted."""
         mesh = meshes.fan(100_000)
-        start = time.monotonic()
         container, info = self.run_through(mesh)
-        self.assertLess(time.monotonic() - start, 60.0)
         self.assertGreater(info["above_limit"], 0)
         self.assertEqual(info["above_limit"], info["counts"]["leaves_above_limit"])
         census = Census(self.finest(container))
