@@ -20,7 +20,6 @@ using Measures = std::array<double, kMeasureCount>;
 
 constexpr double kHeadHeight = 1835, kHeadRadius = 150, kCrown = 0.85;
 constexpr Measures kHead = {kHeadHeight, 96, 112, 118, 0, -12, 0};
-constexpr double kCrownSlope = 0.5267826876426369;  // sqrt(1 - kCrown^2)
 
 constexpr auto kProfile = std::to_array<Measures>({
     {0, 255, 255, 255, 0, 0, 1},

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "hierarchy/diamond.hpp"
+#include "hierarchy/octree.hpp"
 #include "pipeline/test_build.hpp"
 
 namespace colossus::pipeline {
@@ -57,7 +59,7 @@ class Estimates : public ::testing::TestWithParam<const char*> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Of, Estimates,
-                         ::testing::Values(container::kSchemeDiamonds, container::kSchemeBlocks));
+                         ::testing::Values(hierarchy::kDiamonds, hierarchy::kBlocks));
 
 TEST_P(Estimates, ArePositiveForAnyInputAndEveryOption) {
   std::mt19937_64 random(test_seed());
@@ -98,7 +100,7 @@ TEST_P(Estimates, GrowWithTheInput) {
     const run::BuildEstimate now = estimate_of(options(), catalog_of(triangles));
     EXPECT_GT(now.scratch_bytes, before.scratch_bytes) << triangles;
     EXPECT_GT(now.output_bytes, before.output_bytes) << triangles;
-    if (options().scheme == container::kSchemeDiamonds) {
+    if (options().scheme == hierarchy::kDiamonds) {
       EXPECT_GE(now.memory_bytes_per_rank, before.memory_bytes_per_rank) << triangles;
     }
     before = now;
@@ -163,7 +165,7 @@ TEST(Estimate, OfDiamondsGrowsWithTheirLeaves) {
 // Of a level less, blocks have four times the triangles.
 TEST(Estimate, OfBlocksGrowsWithTheBlock) {
   facts::BuildOptions options;
-  options.scheme = container::kSchemeBlocks;
+  options.scheme = hierarchy::kBlocks;
   const facts::Catalog catalog = catalog_of(400'000'000);
   std::uint64_t before = 0;
   for (const int size : {4, 8, 16, 32}) {

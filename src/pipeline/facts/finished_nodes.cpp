@@ -52,9 +52,9 @@ void Hierarchy::add(const FinishedNode& node) {
   add(row.level, node.statistics);
 }
 
-void Hierarchy::add(std::uint32_t level, const NodeStatistics& own) {
+void Hierarchy::add(std::uint32_t level, const NodeStatistics& statistics) {
   if (levels.size() <= level) levels.resize(level + 1);
-  levels[level].sums += own;
+  levels[level].sums += statistics;
 }
 
 double Hierarchy::finest_area() const {

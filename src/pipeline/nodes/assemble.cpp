@@ -56,6 +56,7 @@ std::vector<container::LevelColumn> columns_of(const std::vector<facts::LevelSta
     if (field.column == nullptr) return;
     using Value = std::remove_cvref_t<decltype(std::invoke(member, levels.front()))>;
     std::vector<Value> values;
+    values.reserve(levels.size());
     for (const facts::LevelStatistics& level : levels) values.push_back(std::invoke(member, level));
     columns.push_back({field.column, std::move(values)});
   });

@@ -27,63 +27,6 @@ std::optional<core::Error> error_of(const std::function<void()>& action) {
 const std::vector<InputStamp> kInputs{{"/data/a.ply", 1000, 1'700'000'000'123'456'789},
                                       {"/data/b.ply", 2000, 5}};
 
-std::uint64_t key_with(const std::function<void(BuildOptions&)>& change) {
-  BuildOptions options;
-  change(options);
-  return manifest_of(options, kInputs).key();
-}
-
-TEST(Manifest, ChangesWithEachOptionThatShapesBytes) {
-  const std::vector<std::function<void(BuildOptions&)>> changes{
-      [](BuildOptions&) {},
-      [](BuildOptions& o) { o.scheme = container::kSchemeBlocks; },
-      [](BuildOptions& o) { o.leaf_triangles = 7999; },
-      [](BuildOptions& o) { o.position_bits = 11; },
-      [](BuildOptions& o) { o.tolerance = 0.5; },
-      [](BuildOptions& o) { o.tolerance = std::nextafter(0.5, 1.0); },
-      [](BuildOptions& o) { o.drop_textures = true; },
-      [](BuildOptions& o) { o.is_lenient = true; },
-      [](BuildOptions& o) { o.keep_outliers = true; },
-      [](BuildOptions& o) { o.codec = "zstd"; },
-      [](BuildOptions& o) { o.levels = 0; },
-      [](BuildOptions& o) { o.levels = 3; },
-      [](BuildOptions& o) { o.block_size = 4; },
-      [](BuildOptions& o) { o.block_size = 8; },
-      [](BuildOptions& o) { o.color_weight = 0.25; },
-      [](BuildOptions& o) { o.color_weight = std::nextafter(0.25, 1.0); }};
-  std::set<std::uint64_t> keys;
-  for (const auto& change : changes) keys.insert(key_with(change));
-  EXPECT_EQ(keys.size(), changes.size());
-}
-
-TEST(Manifest, StaysWithEachOptionThatShapesNone) {
-  const std::vector<std::function<void(BuildOptions&)>> changes{
-      [](BuildOptions& o) { o.inputs = {"@the-same-files.txt"}; },
-      [](BuildOptions& o) { o.output = "elsewhere.h5"; },
-      [](BuildOptions& o) { o.scratch = "/scratch"; },
-      [](BuildOptions& o) { o.resume = true; },
-      [](BuildOptions& o) { o.time_limit = 3600.0; },
-      [](BuildOptions& o) { o.memory = "4G"; },
-      [](BuildOptions& o) { o.status_file = "status.json"; },
-      [](BuildOptions& o) { o.report_file = "report.json"; },
-      [](BuildOptions& o) { o.is_dry_run = true; },
-      [](BuildOptions& o) {
-        o.command = {"colossus", "build"};
-      }};
-  for (std::size_t i = 0; i < changes.size(); ++i)
-    EXPECT_EQ(key_with(changes[i]), key_with([](BuildOptions&) {})) << i;
-}
-
-// Does not compile once there is another option: it must be among those above, and in one list or the other.
-TEST(Manifest, IsLookedAtForEveryOption) {
-  const BuildOptions options;
-  [[maybe_unused]] const auto& [inputs, output, scratch, resume, time_limit, scheme, leaf_triangles,
-                                position_bits, tolerance, drop_textures, is_lenient, keep_outliers, memory,
-                                status_file, report_file, is_dry_run, command, codec, levels, block_size,
-                                color_weight, has_shifted_blocks] = options;
-  EXPECT_TRUE(has_shifted_blocks) << "no option of the program, which alone resumes builds";
-}
-
 TEST(Manifest, ChangesWithEachInput) {
   const BuildOptions options;
   const std::vector<std::function<void(std::vector<InputStamp>&)>> changes{
