@@ -35,7 +35,7 @@ void check_tail(const SourceInfo& info, const SourceOptions& options, const core
 class TextReader {
  public:
   struct Syntax {
-    bool comments = false;       // a word that starts with # ends its line
+    bool comments = false;  // a word that starts with # ends its line
     bool continuations =
         false;  // a backslash at the end of a line, or before blanks there, joins it with the next
   };

@@ -87,7 +87,7 @@ struct InputCounts {
   std::uint64_t finest_border_edges = 0;
   std::uint64_t finest_nonmanifold_edges = 0;
   std::uint64_t area_differs = 0;  // 1: from the input's, see nodes::AreaCheck
-  std::uint64_t split_edges = 0;  // too long for their cubes (blocks)
+  std::uint64_t split_edges = 0;   // too long for their cubes (blocks)
   // Of the vertices that triangles with three corners use: those at a position that another one has, and
   // positions whose vertices had different attributes, which were averaged.
   std::uint64_t merged_vertices = 0;

@@ -16,7 +16,7 @@ struct BuildOptions {
   std::vector<std::string> inputs;  // files, or @list.txt
   std::filesystem::path output;
   std::optional<std::filesystem::path> scratch;  // else <output>.scratch
-  bool resume = false;               // continue what an interrupted build has left in scratch, if anything
+  bool resume = false;  // continue what an interrupted build has left in scratch, if anything
   // Since the start of the program, after which the build stops; see core::parse_duration().
   std::optional<std::string> time_limit;
   std::string scheme;                   // empty: the first in pipeline/schemes.cpp
