@@ -103,7 +103,8 @@ std::string expected_text() {
 
 bool has_extension(const Format& format, const core::File& file) {
   const std::string extension = lower(file.path().extension().string());
-  return !extension.empty() && fmt::format(" {} ", format.extensions).find(fmt::format(" {} ", extension)) != std::string::npos;
+  return !extension.empty() &&
+         fmt::format(" {} ", format.extensions).find(fmt::format(" {} ", extension)) != std::string::npos;
 }
 
 }  // namespace

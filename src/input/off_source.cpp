@@ -384,14 +384,13 @@ class OffSource final : public Source {
 }  // namespace
 
 extern const Format kOffFormat;
-const Format kOffFormat{
-    "OFF", ".off .coff .noff .cnoff", nullptr,
-    [](const FileStart& start) {
-      const std::string_view word = start.first_word;
-      return word.substr(0, word.find_first_of("0123456789", 1)).ends_with("off");
-    },
-    [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
-      return std::make_unique<OffSource>(std::move(file), options);
-    }};
+const Format kOffFormat{"OFF", ".off .coff .noff .cnoff", nullptr,
+                        [](const FileStart& start) {
+                          const std::string_view word = start.first_word;
+                          return word.substr(0, word.find_first_of("0123456789", 1)).ends_with("off");
+                        },
+                        [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
+                          return std::make_unique<OffSource>(std::move(file), options);
+                        }};
 
 }  // namespace colossus::input

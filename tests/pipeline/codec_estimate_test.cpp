@@ -1,11 +1,10 @@
 // What is estimated of a container comes from its codec's own measurements.
-#include "pipeline/estimate.hpp"
-
 #include <gtest/gtest.h>
 
 #include "codec/codec.hpp"
 #include "hierarchy/diamond.hpp"
 #include "hierarchy/octree.hpp"
+#include "pipeline/estimate.hpp"
 
 namespace colossus::pipeline {
 namespace {

@@ -58,8 +58,7 @@ class Estimates : public ::testing::TestWithParam<const char*> {
     return options;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Of, Estimates,
-                         ::testing::Values(hierarchy::kDiamonds, hierarchy::kBlocks));
+INSTANTIATE_TEST_SUITE_P(Of, Estimates, ::testing::Values(hierarchy::kDiamonds, hierarchy::kBlocks));
 
 TEST_P(Estimates, ArePositiveForAnyInputAndEveryOption) {
   std::mt19937_64 random(test_seed());

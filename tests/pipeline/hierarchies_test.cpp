@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "container/reader.hpp"
+#include "hierarchy/diamond.hpp"
+#include "hierarchy/octree.hpp"
 #include "pipeline/ingest/join.hpp"
 #include "pipeline/nodes/assemble.hpp"
 #include "pipeline/nodes/finest_level.hpp"
 #include "pipeline/schemes.hpp"
-#include "hierarchy/diamond.hpp"
-#include "hierarchy/octree.hpp"
 #include "pipeline/test_build.hpp"
 
 namespace colossus::pipeline {
@@ -66,8 +66,7 @@ Built build_of(const run::Workspace& workspace, const MadeUpFile& file) {
 }
 
 class Hierarchies : public ::testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Of, Hierarchies,
-                         ::testing::Values(hierarchy::kDiamonds, hierarchy::kBlocks));
+INSTANTIATE_TEST_SUITE_P(Of, Hierarchies, ::testing::Values(hierarchy::kDiamonds, hierarchy::kBlocks));
 
 void expect_surface(const Built& built, std::size_t triangles) {
   const facts::InputCounts& counts = built.catalog.counts;

@@ -1,11 +1,10 @@
-#include "pipeline/facts/finished_nodes.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
 #include "core/error.hpp"
+#include "pipeline/facts/finished_nodes.hpp"
 
 namespace colossus::pipeline::facts {
 namespace {
