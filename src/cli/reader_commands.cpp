@@ -22,7 +22,7 @@
 namespace colossus::cli {
 namespace {
 
-std::unique_ptr<reader::access::StatueFile> open_named(const std::string& path) {
+std::unique_ptr<reader::access::Statue> open_named(const std::string& path) {
   core::check_input_name(path);
   return reader::open(path);
 }

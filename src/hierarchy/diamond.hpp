@@ -1,6 +1,7 @@
 // The diamond hierarchy as pure index arithmetic: nothing is stored, a diamond is its centre.
 //
-// Longest-edge bisection of the six Kuhn tetrahedra of the root cube (paper 004, section 4.1; Weiss and De
+// Longest-edge bisection of the six Kuhn tetrahedra of the root cube (Balsa Rodríguez et al. 2013, section
+// 4.1; Weiss and De
 // Floriani 2010). All tetrahedra around one longest edge are a diamond, identified by the edge's midpoint,
 // its centre. Level l = 3k + t has cubes of side h = 2^(30-k): for t = 0 the long edge is a cube's diagonal
 // (6 tetrahedra), for t = 1 a square's diagonal (4), for t = 2 a cube's edge (8). Diamonds at the hull of the

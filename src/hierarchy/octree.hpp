@@ -1,4 +1,4 @@
-// The octree of the blocks scheme as pure index arithmetic (paper 001, sections 3.2.3 to 3.2.6).
+// The octree of the blocks scheme as pure index arithmetic (Li 2024, sections 3.2.3 to 3.2.6).
 //
 // At level l the root cube [0, 2^30]^3 is divided into 2^l cubes along each axis. A block is n x n x n cubes,
 // shifted by n/2: block b of a level holds the cubes from n * b - n/2 to n * b + n/2 - 1 along each axis.

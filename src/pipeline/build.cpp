@@ -106,15 +106,15 @@ BuildReport run_phases(const run::Workspace& workspace, const nodes::Scheme& sch
   measure_median_edge(workspace, catalog, groups);
   ranks.attempt(
       [&] { ingest::refuse_far_corner(workspace.options, catalog, 2.0 * catalog.lattice.input_error()); });
-  const facts::Hierarchy hierarchy = scheme.build(workspace, catalog, std::move(groups));
-  if (ranks.is_root()) nodes::count_finest_level(catalog, hierarchy);
+  const facts::FinishedNodes finished = scheme.build(workspace, catalog, std::move(groups));
+  if (ranks.is_root()) nodes::count_finest_level(catalog, finished);
   workspace.reporter.set_input(catalog);
   ranks.attempt([&] {
-    if (ranks.is_root()) report.output_bytes = nodes::assemble(workspace, catalog, scheme.name, hierarchy);
+    if (ranks.is_root()) report.output_bytes = nodes::assemble(workspace, catalog, scheme.name, finished);
   });
   workspace.reporter.end_phase({});
-  workspace.reporter.set_output(hierarchy, report.output_bytes);
-  report.nodes = hierarchy.nodes.size();
+  workspace.reporter.set_output(finished, report.output_bytes);
+  report.nodes = finished.nodes.size();
   broadcast_value(ranks, report);
   core::log("memory: at most {} per rank of {}", run::size_text(run::greatest_peak_memory(ranks)),
             run::size_text(workspace.memory_bytes));

@@ -33,7 +33,7 @@ struct Summary {
   double quantisation_error = 0.0;
 };
 
-Summary summarize(const access::StatueFile& statue) {
+Summary summarize(const access::Statue& statue) {
   Summary summary;
   for (access::RowIndex index = 0; index < statue.rows().size(); ++index) {
     const container::NodeRow& row = statue.rows()[index];
@@ -161,7 +161,7 @@ std::string shrink_text(const container::Metadata& meta, const Summary& summary)
   return text;
 }
 
-std::string level_table(const access::StatueFile& statue, const Summary& summary) {
+std::string level_table(const access::Statue& statue, const Summary& summary) {
   std::vector<std::vector<std::string>> table{
       {"level", "nodes", "leaves", "triangles", "vertices", "bytes", "bits/vertex", "error"}};
   const container::Metadata& meta = statue.metadata();
@@ -193,7 +193,7 @@ std::string level_table(const access::StatueFile& statue, const Summary& summary
 
 }  // namespace
 
-std::string info_text(const access::StatueFile& statue) {
+std::string info_text(const access::Statue& statue) {
   const container::Metadata& meta = statue.metadata();
   const Summary summary = summarize(statue);
   std::string text = fmt::format("file                {} ({} bytes)\n", statue.container().path().string(),
@@ -232,7 +232,7 @@ std::string info_text(const access::StatueFile& statue) {
   return text + level_table(statue, summary) + shrink_text(meta, summary);
 }
 
-std::string info_json(const access::StatueFile& statue) {
+std::string info_json(const access::Statue& statue) {
   using nlohmann::ordered_json;
   const container::Metadata& meta = statue.metadata();
   const Summary summary = summarize(statue);

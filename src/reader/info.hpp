@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 
 namespace colossus::reader {
 
@@ -11,10 +11,10 @@ namespace colossus::reader {
 // vertex (8 * stored bytes / vertices) and largest error; then what of the bits is spent on what and shares,
 // made of the stored statistics (target, reached, locked, small angles), and their other columns; then a line
 // for each level that misses its target by more than a tenth.
-std::string info_text(const access::StatueFile& statue);
+std::string info_text(const access::Statue& statue);
 
 // The same as one JSON object: file, schema, scheme, lattice, position_bits, quantisation_error, attributes,
 // options, parameters, measures, inputs, counts, nodes, above_limit, levels, levels_above_target.
-std::string info_json(const access::StatueFile& statue);
+std::string info_json(const access::Statue& statue);
 
 }  // namespace colossus::reader

@@ -6,8 +6,8 @@
 
 namespace colossus::reader {
 
-std::unique_ptr<access::StatueFile> open(const std::filesystem::path& path,
-                                         const access::StatueOptions& options) {
+std::unique_ptr<access::Statue> open(const std::filesystem::path& path,
+                                     const access::StatueOptions& options) {
   container::ContainerReader container(path);
   const std::string& name = container.metadata().scheme;
   const auto all = schemes();

@@ -8,8 +8,8 @@ namespace colossus::reader {
 namespace {
 
 template <typename Statue>
-std::unique_ptr<access::StatueFile> open_as(container::ContainerReader container,
-                                            const access::StatueOptions& options) {
+std::unique_ptr<access::Statue> open_as(container::ContainerReader container,
+                                        const access::StatueOptions& options) {
   return std::make_unique<Statue>(std::move(container), options);
 }
 
@@ -17,8 +17,8 @@ std::unique_ptr<access::StatueFile> open_as(container::ContainerReader container
 
 // In a file of its own: a program with schemes of its own brings its own table (tests/toy).
 std::span<const Scheme> schemes() {
-  static constexpr std::array<Scheme, 2> kSchemes{{{hierarchy::kDiamonds, &open_as<diamonds::Statue>},
-                                                   {hierarchy::kBlocks, &open_as<blocks::CubeStatue>}}};
+  static constexpr std::array<Scheme, 2> kSchemes{
+      {{hierarchy::kDiamonds, &open_as<diamonds::Statue>}, {hierarchy::kBlocks, &open_as<blocks::Statue>}}};
   return kSchemes;
 }
 

@@ -5,7 +5,7 @@
 // earlier collapse of the pass has touched. Legality is tested on live connectivity, just before a collapse:
 //   - a may collapse into b only if a lies on no outer face and b lies on all faces that a lies on: by
 //   convexity every
-//     triangle stays in its cell (paper 004, section 4.2, made exact);
+//     triangle stays in its cell (Balsa Rodríguez et al. 2013, section 4.2, made exact);
 //   - no new edge joins two vertices with a common face beyond the faces of a, and no triangle comes to lie
 //   flat in a
 //     face: otherwise the surface would touch a face beside its polyline there;

@@ -8,14 +8,14 @@ namespace colossus::verify {
 
 // In a file of its own: a program with schemes of its own brings its own table (tests/toy).
 std::span<const Scheme> schemes() {
-  using reader::access::StatueFile;
+  using reader::access::Statue;
   static constexpr std::array<Scheme, 2> kSchemes{
       {{hierarchy::kDiamonds,
-        [](const StatueFile& statue, const measure::VerifyOptions& options) {
+        [](const Statue& statue, const measure::VerifyOptions& options) {
           return diamonds::verify(dynamic_cast<const reader::diamonds::Statue&>(statue), options);
         }},
-       {hierarchy::kBlocks, [](const StatueFile& statue, const measure::VerifyOptions& options) {
-          return blocks::verify(dynamic_cast<const reader::blocks::CubeStatue&>(statue), options);
+       {hierarchy::kBlocks, [](const Statue& statue, const measure::VerifyOptions& options) {
+          return blocks::verify(dynamic_cast<const reader::blocks::Statue&>(statue), options);
         }}}};
   return kSchemes;
 }

@@ -6,8 +6,7 @@
 
 namespace colossus::verify {
 
-measure::VerifyReport verify(const reader::access::StatueFile& statue,
-                             const measure::VerifyOptions& options) {
+measure::VerifyReport verify(const reader::access::Statue& statue, const measure::VerifyOptions& options) {
   const auto all = schemes();
   const auto found = std::find_if(all.begin(), all.end(),
                                   [&](const Scheme& s) { return s.name == statue.metadata().scheme; });

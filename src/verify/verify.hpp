@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 #include "verify/measure/report.hpp"
 
 namespace colossus::verify {
@@ -12,7 +12,7 @@ namespace colossus::verify {
 struct Scheme {
   const char* name;
   // Of a statue of this scheme: verify() of verify/diamonds and verify/blocks say what is checked.
-  measure::VerifyReport (*verify)(const reader::access::StatueFile& statue,
+  measure::VerifyReport (*verify)(const reader::access::Statue& statue,
                                   const measure::VerifyOptions& options);
 };
 
@@ -20,6 +20,6 @@ struct Scheme {
 std::span<const Scheme> schemes();
 
 // By the statue's scheme, which must be one of these.
-measure::VerifyReport verify(const reader::access::StatueFile& statue, const measure::VerifyOptions& options);
+measure::VerifyReport verify(const reader::access::Statue& statue, const measure::VerifyOptions& options);
 
 }  // namespace colossus::verify

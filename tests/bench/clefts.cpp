@@ -19,7 +19,7 @@ namespace {
 
 using namespace colossus;
 
-void print_level(const reader::blocks::CubeStatue& statue, std::uint32_t level, bool has_shifted_blocks) {
+void print_level(const reader::blocks::Statue& statue, std::uint32_t level, bool has_shifted_blocks) {
   const reader::blocks::RowRange rows = statue.rows_of_level(level);
   verify::blocks::EdgeLengths lengths;
   for (reader::access::RowIndex row = rows.first; row < rows.last; ++row) {
@@ -43,7 +43,7 @@ void run(const cluster::Communicator& ranks, const pipeline::facts::BuildOptions
   core::set_log_enabled(false);
   pipeline::build(ranks, options);
   if (ranks.rank() != 0) return;
-  const reader::blocks::CubeStatue statue(options.output);
+  const reader::blocks::Statue statue(options.output);
   fmt::print("level  triangles   locked  earlier\n");
   for (std::uint32_t level = statue.deepest_level(); level-- > 0;)
     print_level(statue, level, options.has_shifted_blocks);

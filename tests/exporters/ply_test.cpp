@@ -51,7 +51,7 @@ Ply read_ply(const std::filesystem::path& path) {
 }
 
 TEST(Extract, WritesTheCutWithItsAttributes) {
-  StatueFixture fixture(torus(40, 24), 200);
+  DiamondsFixture fixture(torus(40, 24), 200);
   const auto statue = fixture.open();
   const Cut cut = cut_at_level(*statue, 3);
   const access::CutMesh mesh = assemble(*statue, cut);
@@ -73,7 +73,7 @@ TEST(Extract, WritesTheCutWithItsAttributes) {
 
 TEST(Extract, TheFinestCutIsTheInput) {
   const WorldMesh input = torus(40, 24);
-  StatueFixture fixture(input, 200, 16);
+  DiamondsFixture fixture(input, 200, 16);
   const auto statue = fixture.open();
   const access::CutMesh mesh = assemble(*statue, cut_at_level(*statue, 99));
   const auto distances =
@@ -95,7 +95,7 @@ TEST(Extract, FloatsOnlyWhereTheyAreExact) {
 
 TEST(Extract, CoarsePositionsOnASimpleLatticeAreWrittenAsFloats) {
   // The root's corners are multiples of 2^30, so eight bits of weight give multiples of 2^22.
-  StatueFixture fixture(sphere(2), 1000, 8);
+  DiamondsFixture fixture(sphere(2), 1000, 8);
   fixture.metadata.lattice.origin = {0, 0, 0};
   fixture.metadata.lattice.step = 1;
   const auto statue = fixture.open();
@@ -110,7 +110,7 @@ TEST(Extract, CoarsePositionsOnASimpleLatticeAreWrittenAsFloats) {
 
 TEST(Extract, PointsThatFallTogetherInTheWorldAreOne) {
   // 2^52 away from the origin, doubles have steps of 1: finer lattice positions coincide.
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   fixture.metadata.lattice.origin = {0x1p52, 0x1p52, 0x1p52};
   fixture.metadata.lattice.step = 0x1p-25;
   fixture.write();
@@ -123,7 +123,7 @@ TEST(Extract, PointsThatFallTogetherInTheWorldAreOne) {
 }
 
 TEST(Extract, LeavesNothingBehindWhenItFails) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   const auto statue = fixture.open();
   const auto path = fixture.folder() / "missing" / "cut.ply";
   try {

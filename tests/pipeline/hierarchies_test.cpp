@@ -52,7 +52,7 @@ facts::BuildOptions options_of(const char* scheme) {
 
 struct Built {
   facts::Catalog catalog;
-  facts::Hierarchy hierarchy;
+  facts::FinishedNodes hierarchy;
 };
 
 Built build_of(const run::Workspace& workspace, const MadeUpFile& file) {
@@ -79,7 +79,7 @@ void expect_surface(const Built& built, std::size_t triangles) {
   EXPECT_FALSE(nodes::AreaCheck(built.catalog, built.hierarchy).differs());
 }
 
-void expect_levels(const facts::Hierarchy& hierarchy) {
+void expect_levels(const facts::FinishedNodes& hierarchy) {
   ASSERT_GE(hierarchy.levels.size(), 3U);
   std::uint64_t nodes = 0;
   for (const facts::LevelStatistics& level : hierarchy.levels) nodes += level.nodes;

@@ -12,7 +12,7 @@ using namespace support;
 namespace {
 
 TEST(Info, JsonHoldsTheMetadataAndSumsPerLevel) {
-  StatueFixture fixture(torus(40, 24), 200);
+  DiamondsFixture fixture(torus(40, 24), 200);
   fixture.nodes.rbegin()->second.row.flags |= container::kNodeIsAboveLimit;
   const auto statue = fixture.open();
   const auto json = nlohmann::json::parse(info_json(*statue));
@@ -46,7 +46,7 @@ TEST(Info, JsonHoldsTheMetadataAndSumsPerLevel) {
 }
 
 TEST(Info, TextHasALinePerLevelAndAllStoredColumns) {
-  StatueFixture fixture(torus(40, 24), 200);
+  DiamondsFixture fixture(torus(40, 24), 200);
   const auto statue = fixture.open();
   const std::string text = info_text(*statue);
   for (const char* word : {"bits/vertex", "target", "locked", "generated.ply", "border_edges", "lattice",
@@ -57,7 +57,7 @@ TEST(Info, TextHasALinePerLevelAndAllStoredColumns) {
 }
 
 TEST(Info, SaysWhatTheBitsAreSpentOn) {
-  StatueFixture fixture(torus(40, 24), 200);
+  DiamondsFixture fixture(torus(40, 24), 200);
   // Of each level so many bytes on positions, and nothing known of the rest.
   const std::size_t levels = fixture.nodes.rbegin()->first.first + 1;
   fixture.metadata.levels.push_back({"position_bytes", std::vector<std::uint64_t>(levels, 1000)});
@@ -74,7 +74,7 @@ TEST(Info, SaysWhatTheBitsAreSpentOn) {
 // The finest vertices are as near to the input's as info says.
 TEST(Info, QuantisationErrorIsABound) {
   const WorldMesh input = torus(40, 24);
-  StatueFixture fixture(input, 200, 8);
+  DiamondsFixture fixture(input, 200, 8);
   const auto statue = fixture.open();
   const auto json = nlohmann::json::parse(info_json(*statue));
   const double bound = json["quantisation_error"].get<double>() + json["lattice_error"].get<double>();

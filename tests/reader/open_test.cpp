@@ -12,7 +12,7 @@ using namespace support;
 namespace {
 
 TEST(Open, RefusesAnUnknownScheme) {
-  StatueFixture fixture(torus(20, 12), 100);
+  DiamondsFixture fixture(torus(20, 12), 100);
   fixture.metadata.scheme = "diamants";
   fixture.write();
   try {
@@ -26,7 +26,7 @@ TEST(Open, RefusesAnUnknownScheme) {
 }
 
 TEST(Open, GivesAStatueThatExtractsWhatItsSchemeDoes) {
-  StatueFixture diamonds(torus(20, 12), 100);
+  DiamondsFixture diamonds(torus(20, 12), 100);
   const auto of_diamonds = diamonds.open();
   const access::Extraction tetrahedra = open(diamonds.path())->extract(access::AtLevel{2});
   EXPECT_EQ(tetrahedra.mesh.positions,

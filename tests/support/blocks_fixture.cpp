@@ -288,9 +288,9 @@ void BlocksFixture::write() const {
   writer.commit();
 }
 
-std::unique_ptr<reader::blocks::CubeStatue> BlocksFixture::open() {
+std::unique_ptr<reader::blocks::Statue> BlocksFixture::open() {
   write();
-  return std::make_unique<reader::blocks::CubeStatue>(path_);
+  return std::make_unique<reader::blocks::Statue>(path_);
 }
 
 }  // namespace colossus::support

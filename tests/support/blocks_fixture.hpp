@@ -39,13 +39,13 @@ class BlocksFixture {
   container::Metadata metadata;
   WorldMesh input;  // as it lies in the world, not rounded to the lattice
 
-  // Stores of the input and of the nodes as they stand what a build stores, like StatueFixture::describe().
+  // Stores of the input and of the nodes as they stand what a build stores, like DiamondsFixture::describe().
   void describe();
   // Errors that are a little larger than the sampled distance from the input, or from it to the node.
   void measure_errors();
   // Writes the container as it stands, but for the order of vertices, which the codec wants to be that of
   // their first use, and opens it.
-  std::unique_ptr<reader::blocks::CubeStatue> open();
+  std::unique_ptr<reader::blocks::Statue> open();
   void write() const;
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& folder() const { return folder_; }

@@ -157,8 +157,8 @@ WorldMesh sphere(int rounds) {
   return mesh;
 }
 
-StatueFixture::StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits,
-                             const std::optional<geometry::Lattice>& lattice) {
+DiamondsFixture::DiamondsFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits,
+                                 const std::optional<geometry::Lattice>& lattice) {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   folder_ = std::filesystem::path(::testing::TempDir()) /
             fmt::format("reader_{}_{}_{}", test->test_suite_name(), test->name(), ::getpid());
@@ -182,12 +182,12 @@ StatueFixture::StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, 
   describe(mesh);
 }
 
-StatueFixture::~StatueFixture() {
+DiamondsFixture::~DiamondsFixture() {
   std::error_code ignored;
   std::filesystem::remove_all(folder_, ignored);
 }
 
-void StatueFixture::build(const WorldMesh& world, std::size_t leaf_triangles) {
+void DiamondsFixture::build(const WorldMesh& world, std::size_t leaf_triangles) {
   Mesh whole;
   for (const verify::measure::WorldPoint& p : world.points) {
     Vertex v;
@@ -230,7 +230,7 @@ void StatueFixture::build(const WorldMesh& world, std::size_t leaf_triangles) {
   }
 }
 
-void StatueFixture::encode(const TetrahedronId& id, const Mesh& mesh) {
+void DiamondsFixture::encode(const TetrahedronId& id, const Mesh& mesh) {
   if (mesh.triangles.empty()) return;
   auto quantized =
       codec::quantization::quantize(mesh, hierarchy::tetrahedron_of(id), static_cast<std::uint8_t>(id.place),
@@ -246,7 +246,7 @@ void StatueFixture::encode(const TetrahedronId& id, const Mesh& mesh) {
   node.row.error = std::max(node.row.error, quantized.displacement * lattice_.step + lattice_.input_error());
 }
 
-void StatueFixture::set_errors() {
+void DiamondsFixture::set_errors() {
   // From the finest nodes up: never smaller than a child's, a little larger than it must be.
   for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
     const auto& [key, value] = *node;
@@ -256,7 +256,7 @@ void StatueFixture::set_errors() {
   }
 }
 
-void StatueFixture::describe(const WorldMesh& mesh) {
+void DiamondsFixture::describe(const WorldMesh& mesh) {
   std::vector<ExactPosition> on_lattice;
   for (const verify::measure::WorldPoint& p : mesh.points) {
     const Point q = lattice_.input_vertex(p);
@@ -302,7 +302,7 @@ void StatueFixture::describe(const WorldMesh& mesh) {
   set_inconsistent_edges(metadata, inconsistent);
 }
 
-void StatueFixture::write() const {
+void DiamondsFixture::write() const {
   std::vector<container::NodeRow> rows;
   std::vector<core::Bytes> frames;
   for (const auto& [key, node] : nodes) {
@@ -344,7 +344,8 @@ void StatueFixture::write() const {
   writer.commit();
 }
 
-std::unique_ptr<reader::diamonds::Statue> StatueFixture::open(const reader::access::StatueOptions& options) {
+std::unique_ptr<reader::diamonds::Statue> DiamondsFixture::open(
+    const reader::access::StatueOptions& options) {
   write();
   return std::make_unique<reader::diamonds::Statue>(path_, options);
 }

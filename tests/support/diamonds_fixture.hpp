@@ -38,14 +38,14 @@ struct FixtureNode {
   bool keeps_row = false;  // ... unless this is set
 };
 
-class StatueFixture {
+class DiamondsFixture {
  public:
   // With the lattice that fits the mesh, unless one is given.
-  StatueFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits = 12,
-                const std::optional<geometry::Lattice>& lattice = std::nullopt);
-  ~StatueFixture();
-  StatueFixture(const StatueFixture&) = delete;
-  StatueFixture& operator=(const StatueFixture&) = delete;
+  DiamondsFixture(const WorldMesh& mesh, std::size_t leaf_triangles, int position_bits = 12,
+                  const std::optional<geometry::Lattice>& lattice = std::nullopt);
+  ~DiamondsFixture();
+  DiamondsFixture(const DiamondsFixture&) = delete;
+  DiamondsFixture& operator=(const DiamondsFixture&) = delete;
 
   // By level and centre, as the rows will be.
   std::map<std::pair<std::uint32_t, geometry::Point>, FixtureNode> nodes;

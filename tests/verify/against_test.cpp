@@ -41,7 +41,7 @@ WorldMesh half_of(WorldMesh mesh) {
 // Of a part of the surface that an inner level lacks, nothing else tells where the input has borders.
 TEST(Against, FindsWhatAnInnerLevelOfDiamondsLacks) {
   const WorldMesh input = torus(40, 24);
-  StatueFixture fixture(input, 100);
+  DiamondsFixture fixture(input, 100);
   EXPECT_TRUE(verified_against(*fixture.open(), input).is_ok())
       << measure::to_text(verified_against(*fixture.open(), input));
   for (auto& [key, node] : fixture.nodes) {
@@ -71,7 +71,7 @@ TEST(Against, FindsWhatAnInnerLevelOfDiamondsLacks) {
 TEST(Against, FindsOneTriangleThatTheFinestLevelLacks) {
   const WorldMesh input = torus(40, 24);
   for (std::size_t nth = 0; nth < 2; ++nth) {
-    StatueFixture fixture(input, 100);
+    DiamondsFixture fixture(input, 100);
     std::size_t seen = 0;
     for (auto& [key, node] : fixture.nodes) {
       if ((node.row.flags & container::kNodeIsLeaf) == 0) continue;
@@ -95,7 +95,7 @@ TEST(Against, FindsOneTriangleThatTheFinestLevelLacks) {
 // file.
 TEST(Against, SamplesEveryTriangleOfTheInput) {
   const WorldMesh whole = torus(40, 24);
-  StatueFixture diamonds(whole, 100000);
+  DiamondsFixture diamonds(whole, 100000);
   BlocksFixture blocks(torus(128, 40), 0, 0.25, 13);
   blocks.measure_errors();
   const auto with_dust = [](WorldMesh mesh, const measure::WorldPoint& at, std::ptrdiff_t place) {
@@ -143,7 +143,7 @@ TEST(Against, FindsWhatALevelOfBlocksLacks) {
 // An error may tell of a spike that was cut off, which only its tip shows.
 TEST(Against, DoesNotCallAnErrorLooseThatTellsOfASpike) {
   const WorldMesh input = torus(40, 24);
-  StatueFixture fixture(input, 100000);
+  DiamondsFixture fixture(input, 100000);
   ASSERT_EQ(fixture.nodes.size(), 1U);
   double& error = fixture.nodes.begin()->second.row.error;
   for (std::size_t i = 0; i < 24; ++i) {
@@ -160,7 +160,7 @@ TEST(Against, DoesNotCallAnErrorLooseThatTellsOfASpike) {
 TEST(Against, FindsHalfAStatue) {
   const WorldMesh input = torus(40, 24);
   const WorldMesh half = half_of(input);
-  StatueFixture of_half(half, 100);
+  DiamondsFixture of_half(half, 100);
   set_count(of_half.metadata, "border_edges", 48);
   EXPECT_TRUE(verify(*of_half.open()).is_ok()) << measure::to_text(verify(*of_half.open()));
   const measure::VerifyReport report = verified_against(*of_half.open(), input);
@@ -169,7 +169,7 @@ TEST(Against, FindsHalfAStatue) {
     EXPECT_GE(report.count(kind), 1U) << name_of(kind) << to_text(report);
   // Every level lacks the other half.
   EXPECT_GE(report.count(measure::FindingKind::kInputDistance), report.levels.size()) << to_text(report);
-  StatueFixture of_whole(input, 100);
+  DiamondsFixture of_whole(input, 100);
   const measure::VerifyReport other = verified_against(*of_whole.open(), half);
   for (const measure::FindingKind kind : {measure::FindingKind::kCount, measure::FindingKind::kBounds,
                                           measure::FindingKind::kArea, measure::FindingKind::kDistance})
@@ -178,7 +178,7 @@ TEST(Against, FindsHalfAStatue) {
 
 TEST(Against, ComparesCountsBoundsAndAreaOfTheInput) {
   const WorldMesh input = torus(40, 24);
-  StatueFixture fixture(input, 100);
+  DiamondsFixture fixture(input, 100);
   const auto expect = [&](measure::FindingKind kind, const char* what) {
     const measure::VerifyReport report = verified_against(*fixture.open(), input, 10);
     EXPECT_EQ(report.count(kind), 1U) << to_text(report);
@@ -206,7 +206,7 @@ TEST(Against, ComparesCountsBoundsAndAreaOfTheInput) {
 // Copies, whichever way they look, and triangles without an area are no surface of their own.
 TEST(Against, AllowsCopiesAndDegenerateTriangles) {
   const WorldMesh input = torus(40, 24);
-  StatueFixture fixture(input, 100);
+  DiamondsFixture fixture(input, 100);
   WorldMesh with_copies = input;
   for (std::size_t i = 0; i < 300; ++i) {
     const mesh::Triangle t = input.triangles[i];
@@ -241,18 +241,18 @@ TEST(Against, DistancesNeitherOverflowNorVanish) {
     of_scaled.step *= factor;
     for (double& c : of_scaled.origin) c *= factor;
     const WorldMesh statue = scaled(input, factor);
-    StatueFixture fixture(statue, 100, 12, of_scaled);
+    DiamondsFixture fixture(statue, 100, 12, of_scaled);
     const measure::VerifyReport report = verified_against(*fixture.open(), statue);
     EXPECT_TRUE(report.is_ok()) << to_text(report);
     // As much is seen as at any other size.
-    StatueFixture usual(input, 100, 12, lattice);
+    DiamondsFixture usual(input, 100, 12, lattice);
     const measure::VerifyReport expected = verified_against(*usual.open(), input);
     EXPECT_NEAR(report.greatest_ratio, expected.greatest_ratio, 1e-6);
     EXPECT_EQ(report.loose_nodes, expected.loose_nodes);
     for (std::size_t i = 0; i < report.levels.size(); ++i)
       EXPECT_NEAR(report.levels[i].input_ratio, expected.levels[i].input_ratio, 1e-6);
 
-    StatueFixture of_half(half_of(statue), 100, 12, of_scaled);
+    DiamondsFixture of_half(half_of(statue), 100, 12, of_scaled);
     const measure::VerifyReport of_other = verified_against(*of_half.open(), statue);
     EXPECT_GE(of_other.count(measure::FindingKind::kInputDistance), of_other.levels.size())
         << to_text(of_other);

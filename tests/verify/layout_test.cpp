@@ -86,7 +86,7 @@ void expect_layout_faults(Fixture& fixture) {
 }
 
 TEST(Layout, FindsATableBehindChunksAndRowsOutOfOrder) {
-  StatueFixture diamonds(torus(40, 24), 100);
+  DiamondsFixture diamonds(torus(40, 24), 100);
   expect_layout_faults(diamonds);
   BlocksFixture blocks(torus(128, 40));
   expect_layout_faults(blocks);

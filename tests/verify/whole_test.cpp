@@ -34,7 +34,7 @@ struct InnerTriangle {
   std::size_t triangle = 0;
   std::uint32_t level = 0;
 };
-InnerTriangle inner_triangle(StatueFixture& fixture, bool wants_leaf) {
+InnerTriangle inner_triangle(DiamondsFixture& fixture, bool wants_leaf) {
   for (auto& [key, node] : fixture.nodes) {
     if (is_leaf(node) != wants_leaf || key.first < 3) continue;
     for (CodedPart& part : node.mesh.parts)
@@ -71,7 +71,7 @@ void allow_borders(container::Metadata& metadata) { count(metadata, "border_edge
 
 // The loss of one triangle is found by each of what is stored, though the checksum is right.
 TEST(Whole, FindsALostTriangleOfALeafByCountBordersAndArea) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   allow_borders(fixture.metadata);
   lose(inner_triangle(fixture, true));
   expect_only(verify(*fixture.open()),
@@ -98,7 +98,7 @@ TEST(Whole, FindsALostTriangleOfACubeByCountBordersAndArea) {
 }
 
 TEST(Whole, FindsNonManifoldEdgesOfTheFinestLevel) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   count(fixture.metadata, "nonmanifold_edges") = 1;
   count(fixture.metadata, "finest_nonmanifold_edges") += 1;
   expect_only(verify(*fixture.open()), {measure::FindingKind::kNonManifold});
@@ -110,7 +110,7 @@ TEST(Whole, FindsNonManifoldEdgesOfTheFinestLevel) {
 // What is stored of the finest level may be forged with it; that it is the input's may not.
 TEST(Whole, FindsAnAreaThatIsNotTheInputs) {
   for (const bool is_blocks : {false, true}) {
-    StatueFixture diamonds(torus(40, 24), 100, 16);
+    DiamondsFixture diamonds(torus(40, 24), 100, 16);
     BlocksFixture blocks(torus(128, 40), 0, 0.25, 13);
     container::Metadata& metadata = is_blocks ? blocks.metadata : diamonds.metadata;
     const auto verified = [&] { return is_blocks ? verify(*blocks.open()) : verify(*diamonds.open()); };
@@ -148,7 +148,7 @@ TEST(Whole, AllowsCoarsePositionsAnotherAreaButNotHalfOfIt) {
 // The largest error of a leaf is how far bounds may lie apart, to both sides.
 TEST(Whole, FindsMovedBounds) {
   for (const bool is_blocks : {false, true}) {
-    StatueFixture diamonds(torus(40, 24), 100);
+    DiamondsFixture diamonds(torus(40, 24), 100);
     BlocksFixture blocks(torus(128, 40));
     double error = 0.0;
     for (const auto& [key, node] : diamonds.nodes)
@@ -170,7 +170,7 @@ TEST(Whole, FindsMovedBounds) {
 
 TEST(Whole, FindsATriangleTurnedOverInADiamond) {
   for (const bool wants_leaf : {true, false}) {
-    StatueFixture fixture(torus(40, 24), 100);
+    DiamondsFixture fixture(torus(40, 24), 100);
     const InnerTriangle at = inner_triangle(fixture, wants_leaf);
     auto& t = at.part->triangles[at.triangle];
     std::swap(t[0], t[1]);
@@ -196,7 +196,7 @@ TEST(Whole, KnowsInconsistentEdgesOfTheInput) {
   WorldMesh mesh = torus(40, 24);
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 7)
     std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
-  StatueFixture fixture(mesh, 100, 16);
+  DiamondsFixture fixture(mesh, 100, 16);
   const measure::VerifyReport report = verify(*fixture.open());
   EXPECT_EQ(report.count(measure::FindingKind::kOrientation), 0U) << to_text(report);
   EXPECT_GT(report.levels.back().inconsistent_edges, 0U);
@@ -238,7 +238,7 @@ void expect_only_damage(Fixture& fixture, const Opened& statue, const measure::V
 
 TEST(Whole, DamageIsDamageAndNothingBesides) {
   const WorldMesh input = sphere(3);
-  StatueFixture diamonds(input, 100);
+  DiamondsFixture diamonds(input, 100);
   measure::VerifyOptions options;
   expect_only_damage(diamonds, *diamonds.open(), options, 1);
   const measure::Surface surface = input.surface();
@@ -274,7 +274,7 @@ TEST(Whole, DamageIsNotHeldAgainstOrientationOrErrors) {
   WorldMesh turned = sphere(3);
   for (std::size_t i = 0; i < turned.triangles.size(); i += 5)
     std::swap(turned.triangles[i][0], turned.triangles[i][1]);
-  StatueFixture diamonds(turned, 100);
+  DiamondsFixture diamonds(turned, 100);
   const auto statue = diamonds.open();
   EXPECT_EQ(verify(*statue).count(measure::FindingKind::kOrientation), 0U);
   for (reader::access::RowIndex row = 0; row < statue->rows().size(); row += 3) {
@@ -287,7 +287,7 @@ TEST(Whole, DamageIsNotHeldAgainstOrientationOrErrors) {
   const WorldMesh input = sphere(2);
   const measure::Surface surface = input.surface();
   options.against = &surface;
-  StatueFixture one(input, 1000);
+  DiamondsFixture one(input, 1000);
   ASSERT_EQ(one.nodes.size(), 1U);
   one.nodes.begin()->second.row.error *= 1000.0;
   expect_only_damage(one, *one.open(), options, 1);
@@ -302,7 +302,7 @@ TEST(Whole, DamageIsNotHeldAgainstOrientationOrErrors) {
 
 // A level with a damaged node still shows what has nothing to do with it.
 TEST(Whole, FindsABorderBesidesDamage) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   lose(inner_triangle(fixture, true));
   const auto statue = fixture.open();
   const auto last = static_cast<reader::access::RowIndex>(statue->rows().size() - 1);
@@ -313,7 +313,7 @@ TEST(Whole, FindsABorderBesidesDamage) {
 }
 
 TEST(Whole, SaysWhatOlderContainersDoNotStore) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   EXPECT_EQ(measure::to_text(verify(*fixture.open())).find("not checked"), std::string::npos);
   fixture.metadata.measures.clear();
   std::erase_if(fixture.metadata.counts, [](const auto& c) { return c.name.starts_with("finest"); });
@@ -326,7 +326,7 @@ TEST(Whole, SaysWhatOlderContainersDoNotStore) {
 }
 
 TEST(Whole, FindsATableBehindAChunkAndChunksOutOfOrder) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   std::vector<container::NodeRow> rows = fixture.open()->rows();
   const std::uint64_t first = rows.front().offset;
   EXPECT_TRUE(measure::layout_faults(rows, first - 1).empty());

@@ -1,4 +1,5 @@
-// From lattice positions to barycentric weights (paper 004, section 4.3), without its epsilons: the plane
+// From lattice positions to barycentric weights (Balsa Rodríguez et al. 2013, section 4.3), without its
+// epsilons: the plane
 // values are exact integers, so a vertex on a face gets weight 0 for the opposite corner, and both sides of a
 // face get the same weights for the same point, with no case distinction.
 #pragma once

@@ -16,7 +16,7 @@ using hierarchy::CubeId;
 
 class BlockLevelBuilder {
  public:
-  BlockLevelBuilder(const run::Workspace& workspace, const BlockSettings& settings, CubePartition&& partition,
+  BlockLevelBuilder(const run::Workspace& workspace, const NodeSettings& settings, Partition&& partition,
                     const facts::Catalog& catalog)
       : workspace_(workspace), driver_(workspace), settings_(settings), catalog_(catalog) {
     driver_.finished().lattice = {settings.lattice.origin, settings.lattice.step * settings.grid.spacing(),
@@ -28,12 +28,12 @@ class BlockLevelBuilder {
     sigma_ = in_cubes(partition.longest_edge, settings.grid.levels);
   }
 
-  facts::Hierarchy run() {
+  facts::FinishedNodes run() {
     for (int level = settings_.grid.levels; level >= 0; --level) {
       run_level(level);
       if (level == settings_.grid.levels) driver_.finish_finest(catalog_);
     }
-    facts::Hierarchy finished = driver_.take();
+    facts::FinishedNodes finished = driver_.take();
     double sigma = sigma_;
     broadcast_value(workspace_.ranks, sigma);
     finished.parameters = {{"block_size", static_cast<double>(settings_.block_size)}, {"sigma0", sigma}};
@@ -128,7 +128,7 @@ class BlockLevelBuilder {
 
   const run::Workspace& workspace_;
   nodes::LevelDriver driver_;
-  const BlockSettings& settings_;
+  const NodeSettings& settings_;
   const facts::Catalog& catalog_;
   std::vector<BlockCube> cubes_;  // of the level at hand; on rank 0
   double sigma_ = 0.0;
@@ -136,8 +136,8 @@ class BlockLevelBuilder {
 
 }  // namespace
 
-facts::Hierarchy build_block_levels(const run::Workspace& workspace, const BlockSettings& settings,
-                                    CubePartition&& partition, const facts::Catalog& catalog) {
+facts::FinishedNodes build_levels(const run::Workspace& workspace, const NodeSettings& settings,
+                                  Partition&& partition, const facts::Catalog& catalog) {
   return BlockLevelBuilder(workspace, settings, std::move(partition), catalog).run();
 }
 

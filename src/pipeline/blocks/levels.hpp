@@ -7,7 +7,7 @@ namespace colossus::pipeline::blocks {
 
 // Collective. Within a level blocks are independent tasks. Sets all of the hierarchy but its options. Throws
 // Error(kBadData) when the deepest level lacks surface.
-facts::Hierarchy build_block_levels(const run::Workspace& workspace, const BlockSettings& settings,
-                                    CubePartition&& partition, const facts::Catalog& catalog);
+facts::FinishedNodes build_levels(const run::Workspace& workspace, const NodeSettings& settings,
+                                  Partition&& partition, const facts::Catalog& catalog);
 
 }  // namespace colossus::pipeline::blocks

@@ -45,7 +45,7 @@ double area_of(const std::vector<Point>& positions, const std::vector<mesh::Tria
 // The cubes of a block as one welded mesh, and the parents that its parts go to.
 class Block {
  public:
-  Block(const run::Workspace& workspace, const BlockSettings& settings, const BlockTask& task)
+  Block(const run::Workspace& workspace, const NodeSettings& settings, const BlockTask& task)
       : workspace_(workspace), settings_(settings), task_(task) {
     for (const BlockCube& cube : task.cubes) {
       contents_.push_back(nodes::load(workspace, cube.record.mesh));
@@ -276,7 +276,7 @@ class Block {
   }
 
   const run::Workspace& workspace_;
-  const BlockSettings& settings_;
+  const NodeSettings& settings_;
   const BlockTask& task_;
   std::vector<nodes::SampledMesh> contents_;  // by cube
   double error_ = 0.0;
@@ -333,11 +333,11 @@ BlockResult BlockResult::from_bytes(std::span<const std::byte> bytes) {
   return result;
 }
 
-std::uint64_t block_bytes(const BlockSettings& settings, std::uint64_t triangles) {
+std::uint64_t block_bytes(const NodeSettings& settings, std::uint64_t triangles) {
   return (settings.has_colors && settings.color_weight > 0.0 ? 360 : 290) * triangles;
 }
 
-BlockResult build_block(const run::Workspace& workspace, const BlockSettings& settings,
+BlockResult build_block(const run::Workspace& workspace, const NodeSettings& settings,
                         const BlockTask& task) {
   return Block(workspace, settings, task).run();
 }

@@ -33,7 +33,7 @@ struct BlockResult {
 };
 
 // What all blocks of a build share.
-struct BlockSettings {
+struct NodeSettings {
   geometry::Lattice lattice;
   Grid grid;
   const codec::Codec* codec = nullptr;
@@ -51,13 +51,12 @@ struct BlockSettings {
 };
 
 // An upper estimate of the memory of build_block() for so many triangles of its cubes.
-std::uint64_t block_bytes(const BlockSettings& settings, std::uint64_t triangles);
+std::uint64_t block_bytes(const NodeSettings& settings, std::uint64_t triangles);
 
 // Simplifies the block to a quarter of its triangles with its border locked, splits the result into the
-// parents along the map, and encodes the cubes with the map to their parents' vertices (paper 001,
+// parents along the map, and encodes the cubes with the map to their parents' vertices (Li 2024,
 // sections 3.2.4 and 3.2.5). Cubes of level 0 are only encoded. Not collective; this is where the time of a
 // build goes.
-BlockResult build_block(const run::Workspace& workspace, const BlockSettings& settings,
-                        const BlockTask& task);
+BlockResult build_block(const run::Workspace& workspace, const NodeSettings& settings, const BlockTask& task);
 
 }  // namespace colossus::pipeline::blocks

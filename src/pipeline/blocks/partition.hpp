@@ -1,4 +1,4 @@
-// Chooses the deepest level of the octree, and puts the input's triangles into its cubes (paper 001, section
+// Chooses the deepest level of the octree, and puts the input's triangles into its cubes (Li 2024, section
 // 3.2.3).
 #pragma once
 
@@ -26,7 +26,7 @@ struct Grid {
 Grid choose_grid(const run::Workspace& workspace, const facts::Catalog& catalog,
                  std::span<const ingest::TriangleGroup> groups);
 
-struct CubePartition {
+struct Partition {
   std::vector<CubeRecord> cubes;  // on rank 0, in order
   double displacement = 0.0;      // the greatest of them
   std::int64_t longest_edge = 0;  // the maximum norm, on the lattice of 2^30; on rank 0
@@ -35,7 +35,7 @@ struct CubePartition {
 // Assigns each triangle to the cube that holds its barycentre. Edges that are too long are split at their
 // middles, rounded to the grid, first, which depends on nothing but their ends, and counted. Positions are
 // rounded to the grid. Fills the catalogue's area and counts. Collective.
-CubePartition partition_cubes(const run::Workspace& workspace, facts::Catalog& catalog, const Grid& grid,
-                              std::span<const ingest::TriangleGroup> groups);
+Partition partition(const run::Workspace& workspace, facts::Catalog& catalog, const Grid& grid,
+                    std::span<const ingest::TriangleGroup> groups);
 
 }  // namespace colossus::pipeline::blocks

@@ -57,8 +57,8 @@ void check(const facts::BuildOptions& options) {
                options.color_weight);
 }
 
-facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,
-                       std::vector<ingest::TriangleGroup>&& groups) {
+facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& catalog,
+                           std::vector<ingest::TriangleGroup>&& groups) {
   const Grid grid = choose_grid(workspace, catalog, groups);
   core::log("grid: {} levels of cubes, positions rounded to {}", grid.levels,
             catalog.lattice.step * grid.spacing());
@@ -68,14 +68,14 @@ facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,
     if (workspace.ranks.is_root())
       ingest::refuse_far_corner(workspace.options, catalog, 2.0 * rounding_error);
   });
-  CubePartition partition = partition_cubes(workspace, catalog, grid, groups);
+  Partition leaves = partition(workspace, catalog, grid, groups);
   groups = {};
   buckets::log_counts(workspace.ranks, catalog);
   const std::uint64_t peak = run::greatest_peak_memory(workspace.ranks);
   core::log("partition: {} edges too long for their cubes split, peak memory {} MB",
             catalog.counts.split_edges, peak >> 20);
 
-  BlockSettings settings;
+  NodeSettings settings;
   settings.lattice = catalog.lattice;
   settings.grid = grid;
   settings.codec = &codec::codec_named(workspace.options.codec);
@@ -86,14 +86,14 @@ facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,
   settings.has_shifted_blocks = workspace.options.has_shifted_blocks;
   workspace.ranks.attempt([&] {
     if (workspace.ranks.is_root())
-      require_tolerance(workspace.options, settings.input_error(partition.displacement));
+      require_tolerance(workspace.options, settings.input_error(leaves.displacement));
   });
-  facts::Hierarchy hierarchy = build_block_levels(workspace, settings, std::move(partition), catalog);
+  facts::FinishedNodes finished = build_levels(workspace, settings, std::move(leaves), catalog);
   facts::BuildOptions chosen = workspace.options;
   chosen.block_size = settings.block_size;
   chosen.levels = grid.levels;
-  hierarchy.options = stored_options(chosen, hierarchy::kBlocks);
-  return hierarchy;
+  finished.options = stored_options(chosen, hierarchy::kBlocks);
+  return finished;
 }
 
 }  // namespace

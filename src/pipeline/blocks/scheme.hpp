@@ -1,5 +1,5 @@
 // The blocks scheme: uncut triangles in the cubes of an octree, simplified block by block with half-edge
-// collapses (paper 001, chapter 3).
+// collapses (Li 2024, chapter 3).
 #pragma once
 
 #include "pipeline/nodes/scheme.hpp"

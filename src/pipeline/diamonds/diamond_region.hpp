@@ -1,5 +1,5 @@
 // The diamonds scheme's answers about one diamond: how the halves of its tetrahedra become one mesh, and
-// which faces its vertices may not leave (paper 004, section 4.2; src/README.md).
+// which faces its vertices may not leave (Balsa Rodríguez et al. 2013, section 4.2; src/README.md).
 #pragma once
 
 #include <span>

@@ -32,7 +32,7 @@ class LevelBuilder {
     for (auto& [level, centers] : splits_by_level_) std::sort(centers.begin(), centers.end());
   }
 
-  facts::Hierarchy run() {
+  facts::FinishedNodes run() {
     run_tasks(
         "leaves", leaf_tasks(), [&](std::size_t first) { return leaf_task(first); }, std::nullopt);
     driver_.finish_finest(catalog_, [&] { check_leaves(); });
@@ -194,8 +194,8 @@ class LevelBuilder {
 
 }  // namespace
 
-facts::Hierarchy build_levels(const run::Workspace& workspace, const NodeSettings& settings,
-                              const Partition& partition, facts::Catalog& catalog) {
+facts::FinishedNodes build_levels(const run::Workspace& workspace, const NodeSettings& settings,
+                                  const Partition& partition, facts::Catalog& catalog) {
   return LevelBuilder(workspace, settings, partition, catalog).run();
 }
 

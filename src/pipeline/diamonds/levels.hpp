@@ -8,7 +8,7 @@ namespace colossus::pipeline::diamonds {
 
 // Collective. Within a level nodes are independent tasks. Completes the catalogue's counts of the finest
 // level. Throws Error(kUsage) when leaves do not keep --tolerance, Error(kBadData) when they lack surface.
-facts::Hierarchy build_levels(const run::Workspace& workspace, const NodeSettings& settings,
-                              const Partition& partition, facts::Catalog& catalog);
+facts::FinishedNodes build_levels(const run::Workspace& workspace, const NodeSettings& settings,
+                                  const Partition& partition, facts::Catalog& catalog);
 
 }  // namespace colossus::pipeline::diamonds

@@ -114,8 +114,8 @@ void check(const facts::BuildOptions& options) {
                options.position_bits, codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
 }
 
-facts::Hierarchy build(const run::Workspace& workspace, facts::Catalog& catalog,
-                       std::vector<ingest::TriangleGroup>&& groups) {
+facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& catalog,
+                           std::vector<ingest::TriangleGroup>&& groups) {
   const cluster::Communicator& ranks = workspace.ranks;
   const Partition leaves = partition(workspace, catalog, std::move(groups));
   log_partition(ranks, catalog, leaves);

@@ -33,7 +33,7 @@ NodeStatistics& NodeStatistics::operator+=(const NodeStatistics& other) {
   return *this;
 }
 
-void Hierarchy::add(const FinishedNode& node) {
+void FinishedNodes::add(const FinishedNode& node) {
   nodes.push_back(node);
   const container::NodeRow& row = node.row;
   if (levels.size() <= row.level) levels.resize(row.level + 1);
@@ -52,25 +52,25 @@ void Hierarchy::add(const FinishedNode& node) {
   add(row.level, node.statistics);
 }
 
-void Hierarchy::add(std::uint32_t level, const NodeStatistics& statistics) {
+void FinishedNodes::add(std::uint32_t level, const NodeStatistics& statistics) {
   if (levels.size() <= level) levels.resize(level + 1);
   levels[level].sums += statistics;
 }
 
-double Hierarchy::finest_area() const {
+double FinishedNodes::finest_area() const {
   double sum = 0.0;
   for (const StoredNode& node : nodes) sum += node.area;
   return sum;
 }
 
-std::uint64_t Hierarchy::finest_triangles() const {
+std::uint64_t FinishedNodes::finest_triangles() const {
   std::uint64_t sum = 0;
   for (const StoredNode& node : nodes)
     if ((node.row.flags & container::kNodeIsLeaf) != 0) sum += node.row.triangles;
   return sum;
 }
 
-void Hierarchy::sort() {
+void FinishedNodes::sort() {
   std::sort(nodes.begin(), nodes.end(), [](const StoredNode& a, const StoredNode& b) {
     return std::tie(a.row.level, a.row.center) < std::tie(b.row.level, b.row.center);
   });
@@ -85,9 +85,9 @@ void require_tolerance(const BuildOptions& options, double greatest_error) {
              *options.tolerance, greatest_error);
 }
 
-void warn_of_missed_target(const Hierarchy& hierarchy, std::uint32_t level) {
-  if (level >= hierarchy.levels.size()) return;
-  const NodeStatistics& sums = hierarchy.levels[level].sums;
+void warn_of_missed_target(const FinishedNodes& finished, std::uint32_t level) {
+  if (level >= finished.levels.size()) return;
+  const NodeStatistics& sums = finished.levels[level].sums;
   if (10 * sums.reached_triangles <= 11 * sums.target_triangles) return;
   core::warn(
       "level {} does not shrink as it should: {} triangles are left of {}, where {} were aimed at; separate "

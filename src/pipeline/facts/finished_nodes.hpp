@@ -59,7 +59,7 @@ struct LevelStatistics {
 };
 
 // Nodes and levels are on rank 0, the rest on all ranks.
-struct Hierarchy {
+struct FinishedNodes {
   std::vector<StoredNode> nodes;
   std::vector<LevelStatistics> levels;  // from the root on
   container::LatticeInfo lattice;       // on which decoded positions lie
@@ -82,6 +82,6 @@ struct Hierarchy {
 void require_tolerance(const BuildOptions& options, double greatest_error);
 
 // When a level has more than a tenth more triangles than were aimed at. Not collective.
-void warn_of_missed_target(const Hierarchy& hierarchy, std::uint32_t level);
+void warn_of_missed_target(const FinishedNodes& finished, std::uint32_t level);
 
 }  // namespace colossus::pipeline::facts

@@ -18,11 +18,11 @@ namespace colossus::pipeline::nodes {
 namespace {
 
 std::vector<container::NamedText> options_of(const facts::BuildOptions& options,
-                                             const facts::Hierarchy& hierarchy) {
+                                             const facts::FinishedNodes& finished) {
   facts::BuildOptions chosen = options;
-  chosen.position_bits = hierarchy.position_bits;
+  chosen.position_bits = finished.position_bits;
   std::vector<container::NamedText> texts = stored_options(chosen, nullptr);
-  texts.insert(texts.end(), hierarchy.options.begin(), hierarchy.options.end());
+  texts.insert(texts.end(), finished.options.begin(), finished.options.end());
   return texts;
 }
 
@@ -38,8 +38,8 @@ std::vector<container::NamedCount> counts_of(const facts::InputCounts& counts) {
 }
 
 std::vector<container::NamedReal> measures_of(const facts::Catalog& catalog,
-                                              const facts::Hierarchy& hierarchy) {
-  const AreaCheck areas(catalog, hierarchy);
+                                              const facts::FinishedNodes& finished) {
+  const AreaCheck areas(catalog, finished);
   std::vector<container::NamedReal> measures{{"input_area", areas.input}, {"finest_area", areas.finest}};
   for (std::size_t axis = 0; axis < 3; ++axis)
     measures.push_back({fmt::format("min_{}", "xyz"[axis]), catalog.bounds.low[axis]});
@@ -64,35 +64,35 @@ std::vector<container::LevelColumn> columns_of(const std::vector<facts::LevelSta
 }
 
 container::Metadata metadata_of(const facts::BuildOptions& options, const facts::Catalog& catalog,
-                                const char* scheme, const facts::Hierarchy& hierarchy) {
+                                const char* scheme, const facts::FinishedNodes& finished) {
   container::Metadata metadata;
   metadata.scheme = scheme;
-  metadata.lattice = hierarchy.lattice;
-  metadata.position_bits = hierarchy.position_bits;
+  metadata.lattice = finished.lattice;
+  metadata.position_bits = finished.position_bits;
   metadata.has_normals = true;
   metadata.has_colors = catalog.has_colors;
-  metadata.options = options_of(options, hierarchy);
-  metadata.parameters = hierarchy.parameters;
+  metadata.options = options_of(options, finished);
+  metadata.parameters = finished.parameters;
   for (const facts::InputFile& file : catalog.files)
     metadata.inputs.push_back({core::escaped_text(file.name), file.bytes, file.hash});
   metadata.counts = counts_of(catalog.counts);
-  metadata.measures = measures_of(catalog, hierarchy);
-  metadata.levels = columns_of(hierarchy.levels);
+  metadata.measures = measures_of(catalog, finished);
+  metadata.levels = columns_of(finished.levels);
   return metadata;
 }
 
 }  // namespace
 
 std::uint64_t assemble(const run::Workspace& workspace, const facts::Catalog& catalog, const char* scheme,
-                       const facts::Hierarchy& hierarchy) {
-  log_finest_level(catalog, hierarchy);
+                       const facts::FinishedNodes& finished) {
+  log_finest_level(catalog, finished);
   container::ContainerWriter writer(workspace.outputs.container.path);
   std::vector<container::NodeRow> rows;
-  rows.reserve(hierarchy.nodes.size());
-  for (const facts::StoredNode& node : hierarchy.nodes) rows.push_back(node.row);
-  workspace.reporter.begin_phase("assembly", hierarchy.nodes.size(), 0);
-  writer.add_nodes(metadata_of(workspace.options, catalog, scheme, hierarchy), std::move(rows));
-  for (const facts::StoredNode& node : hierarchy.nodes) {
+  rows.reserve(finished.nodes.size());
+  for (const facts::StoredNode& node : finished.nodes) rows.push_back(node.row);
+  workspace.reporter.begin_phase("assembly", finished.nodes.size(), 0);
+  writer.add_nodes(metadata_of(workspace.options, catalog, scheme, finished), std::move(rows));
+  for (const facts::StoredNode& node : finished.nodes) {
     cluster::throw_if_stop_requested();
     writer.append_chunk(workspace.reader.read(node.chunk));
     workspace.reporter.finish_task();

@@ -10,6 +10,6 @@ namespace colossus::pipeline::nodes {
 // Writes options.output from the chunks in scratch and returns its size in bytes. On rank 0 only; not
 // collective.
 std::uint64_t assemble(const run::Workspace& workspace, const facts::Catalog& catalog, const char* scheme,
-                       const facts::Hierarchy& hierarchy);
+                       const facts::FinishedNodes& finished);
 
 }  // namespace colossus::pipeline::nodes

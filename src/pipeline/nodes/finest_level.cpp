@@ -17,9 +17,9 @@ constexpr double kLeastShare = 0.5;
 
 }  // namespace
 
-AreaCheck::AreaCheck(const facts::Catalog& catalog, const facts::Hierarchy& hierarchy)
-    : finest(hierarchy.finest_area()), position_bits(hierarchy.position_bits) {
-  const double units = catalog.lattice.step / hierarchy.lattice.step;
+AreaCheck::AreaCheck(const facts::Catalog& catalog, const facts::FinishedNodes& finished)
+    : finest(finished.finest_area()), position_bits(finished.position_bits) {
+  const double units = catalog.lattice.step / finished.lattice.step;
   input = catalog.area * units * units;
 }
 
@@ -27,9 +27,9 @@ bool AreaCheck::differs() const {
   return position_bits >= kFineBits && std::abs(finest - input) > kAreaShare * input;
 }
 
-void refuse_lost_surface(const facts::Catalog& catalog, const facts::Hierarchy& hierarchy) {
-  const AreaCheck areas(catalog, hierarchy);
-  const std::uint64_t triangles = hierarchy.finest_triangles();
+void refuse_lost_surface(const facts::Catalog& catalog, const facts::FinishedNodes& finished) {
+  const AreaCheck areas(catalog, finished);
+  const std::uint64_t triangles = finished.finest_triangles();
   if (triangles > 0 && areas.finest >= kLeastShare * areas.input) return;
   core::fail(
       core::Status::kBadData,
@@ -39,20 +39,20 @@ void refuse_lost_surface(const facts::Catalog& catalog, const facts::Hierarchy& 
       catalog.input_name(), triangles, 100.0 * areas.finest / areas.input, ingest::far_corner_text(catalog));
 }
 
-void count_finest_level(facts::Catalog& catalog, const facts::Hierarchy& hierarchy) {
+void count_finest_level(facts::Catalog& catalog, const facts::FinishedNodes& finished) {
   facts::InputCounts& counts = catalog.counts;
-  counts.finest_triangles = hierarchy.finest_triangles();
-  counts.area_differs = AreaCheck(catalog, hierarchy).differs() ? 1 : 0;
+  counts.finest_triangles = finished.finest_triangles();
+  counts.area_differs = AreaCheck(catalog, finished).differs() ? 1 : 0;
   counts.leaves_above_limit = 0;
-  for (const facts::LevelStatistics& level : hierarchy.levels)
+  for (const facts::LevelStatistics& level : finished.levels)
     counts.leaves_above_limit += level.leaves_above_limit;
 }
 
-void log_finest_level(const facts::Catalog& catalog, const facts::Hierarchy& hierarchy) {
-  const AreaCheck areas(catalog, hierarchy);
+void log_finest_level(const facts::Catalog& catalog, const facts::FinishedNodes& finished) {
+  const AreaCheck areas(catalog, finished);
   const double percent = 100.0 * areas.finest / areas.input;
   core::log("finest level: {} triangles, {:.4f} % of the input's area; {} border and {} non-manifold edges",
-            hierarchy.finest_triangles(), percent, catalog.counts.finest_border_edges,
+            finished.finest_triangles(), percent, catalog.counts.finest_border_edges,
             catalog.counts.finest_nonmanifold_edges);
   if (areas.differs())
     core::warn(

@@ -46,7 +46,7 @@ void LevelDriver::finish_finest(const facts::Catalog& catalog, const std::functi
   });
 }
 
-facts::Hierarchy LevelDriver::take() {
+facts::FinishedNodes LevelDriver::take() {
   finished_.sort();
   return std::move(finished_);
 }

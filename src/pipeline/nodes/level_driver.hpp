@@ -47,13 +47,13 @@ class LevelDriver {
   // which is called on rank 0 before. Collective.
   void finish_finest(const facts::Catalog& catalog, const std::function<void()>& check = {});
 
-  facts::Hierarchy& finished() { return finished_; }
+  facts::FinishedNodes& finished() { return finished_; }
   // All of it, ordered.
-  facts::Hierarchy take();
+  facts::FinishedNodes take();
 
  private:
   const run::Workspace& workspace_;
-  facts::Hierarchy finished_;
+  facts::FinishedNodes finished_;
 };
 
 }  // namespace colossus::pipeline::nodes

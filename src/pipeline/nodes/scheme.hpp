@@ -33,8 +33,8 @@ struct Scheme {
                         const ingest::Occupancy& occupancy);
   // Collective. From groups of triangles with vertices on the lattice to finished nodes, all in scratch;
   // completes the catalogue's counts and area.
-  facts::Hierarchy (*build)(const run::Workspace& workspace, facts::Catalog& catalog,
-                            std::vector<ingest::TriangleGroup>&& groups);
+  facts::FinishedNodes (*build)(const run::Workspace& workspace, facts::Catalog& catalog,
+                                std::vector<ingest::TriangleGroup>&& groups);
 };
 
 }  // namespace colossus::pipeline::nodes

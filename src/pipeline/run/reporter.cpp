@@ -201,9 +201,9 @@ void Reporter::set_input(const facts::Catalog& catalog) {
   counts_ = catalog.counts;
 }
 
-void Reporter::set_output(const facts::Hierarchy& hierarchy, std::uint64_t output_bytes) {
-  levels_ = hierarchy.levels;
-  node_count_ = hierarchy.nodes.size();
+void Reporter::set_output(const facts::FinishedNodes& finished, std::uint64_t output_bytes) {
+  levels_ = finished.levels;
+  node_count_ = finished.nodes.size();
   output_bytes_ = output_bytes;
 }
 

@@ -55,7 +55,7 @@ class Reporter {
   // Of all ranks, now.
   void note_scratch(std::uint64_t bytes) { most_scratch_bytes_ = std::max(most_scratch_bytes_, bytes); }
   void set_input(const facts::Catalog& catalog);
-  void set_output(const facts::Hierarchy& hierarchy, std::uint64_t output_bytes);
+  void set_output(const facts::FinishedNodes& finished, std::uint64_t output_bytes);
 
   // Collective. Ends the phase; `mine` without triangles and memory, which this knows.
   void end_phase(PhaseShare mine);

@@ -27,7 +27,7 @@ using CutRequest = std::variant<AtLevel, WithError, WithTriangles, Eye>;
 
 struct Extraction {
   CutMesh mesh;
-  std::vector<std::uint64_t> parts_by_level;  // how many of StatueFile::name_of_parts() are drawn
+  std::vector<std::uint64_t> parts_by_level;  // how many of Statue::name_of_parts() are drawn
   std::string warning;                        // why the cut is not quite what was asked for; else empty
 };
 

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 
 namespace colossus::reader::access {
 

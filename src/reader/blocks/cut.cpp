@@ -14,9 +14,9 @@ namespace {
 constexpr int kEyeBits = 20;
 constexpr double kExactReach = 4294967296.0;
 
-CubeCut level_cut(const CubeStatue& statue, std::uint32_t level) {
+Cut level_cut(const Statue& statue, std::uint32_t level) {
   const RowRange range = statue.rows_of_level(level);
-  CubeCut cut;
+  Cut cut;
   cut.rows.resize(range.size());
   std::iota(cut.rows.begin(), cut.rows.end(), range.first);
   return cut;
@@ -29,7 +29,7 @@ double snapped(double lattice_coordinate) {
 
 }  // namespace
 
-Morph::Morph(const CubeStatue& statue, const std::array<double, 3>& eye, double kappa)
+Morph::Morph(const Statue& statue, const std::array<double, 3>& eye, double kappa)
     : kappa_(kappa), sigma0_(statue.sigma0()), root_bits_(statue.root_bits()) {
   const container::LatticeInfo& lattice = statue.metadata().lattice;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -68,11 +68,11 @@ double Morph::lambda(const geometry::Point& vertex, int level) const {
   return (end - d) / (end - start);
 }
 
-CubeCut cut_at_level(const CubeStatue& statue, std::uint32_t level) {
+Cut cut_at_level(const Statue& statue, std::uint32_t level) {
   return level_cut(statue, std::min(level, statue.deepest_level()));
 }
 
-CubeCut cut_with_error(const CubeStatue& statue, double error) {
+Cut cut_with_error(const Statue& statue, double error) {
   double greatest = 0.0;
   for (std::uint32_t level = 0; level <= statue.deepest_level(); ++level) {
     greatest = 0.0;
@@ -81,12 +81,12 @@ CubeCut cut_with_error(const CubeStatue& statue, double error) {
       greatest = std::max(greatest, statue.rows()[row].error);
     if (range.size() > 0 && greatest <= error) return level_cut(statue, level);
   }
-  CubeCut cut = level_cut(statue, statue.deepest_level());
+  Cut cut = level_cut(statue, statue.deepest_level());
   cut.warning = fmt::format("the finest level has errors above {}, up to {}", error, greatest);
   return cut;
 }
 
-CubeCut cut_with_triangles(const CubeStatue& statue, std::uint64_t triangles) {
+Cut cut_with_triangles(const Statue& statue, std::uint64_t triangles) {
   std::uint64_t coarsest = 0;
   for (std::uint32_t level = statue.deepest_level() + 1; level-- > 0;) {
     coarsest = 0;
@@ -95,22 +95,22 @@ CubeCut cut_with_triangles(const CubeStatue& statue, std::uint64_t triangles) {
       coarsest += statue.rows()[row].triangles;
     if (range.size() > 0 && coarsest <= triangles) return level_cut(statue, level);
   }
-  CubeCut cut = level_cut(statue, 0);
+  Cut cut = level_cut(statue, 0);
   cut.warning =
       fmt::format("the root, the coarsest level, has {} triangles, more than {}", coarsest, triangles);
   return cut;
 }
 
-double least_kappa(const CubeStatue& statue) {
+double least_kappa(const Statue& statue) {
   return std::nextafter(1.0 + 3.0 * statue.sigma0(), std::numeric_limits<double>::infinity());
 }
 
-double default_kappa(const CubeStatue& statue) {
+double default_kappa(const Statue& statue) {
   const double least = least_kappa(statue);
   return access::kDefaultKappa >= least ? access::kDefaultKappa : least * 1.05;
 }
 
-CubeCut cut_at_eye(const CubeStatue& statue, const access::Eye& eye) {
+Cut cut_at_eye(const Statue& statue, const access::Eye& eye) {
   const double kappa = eye.kappa.value_or(default_kappa(statue));
   if (!(kappa >= least_kappa(statue)) || !std::isfinite(kappa))
     core::fail(core::Status::kUsage,
@@ -118,7 +118,7 @@ CubeCut cut_at_eye(const CubeStatue& statue, const access::Eye& eye) {
                least_kappa(statue), kappa);
   for (const double c : eye.position)
     if (!std::isfinite(c)) core::fail(core::Status::kUsage, "eye: expected finite coordinates, found {}", c);
-  CubeCut cut;
+  Cut cut;
   cut.morph.emplace(statue, eye.position, kappa);
   const int deepest = static_cast<int>(statue.deepest_level());
   std::vector<access::RowIndex> pending;
@@ -138,7 +138,7 @@ CubeCut cut_at_eye(const CubeStatue& statue, const access::Eye& eye) {
   return cut;
 }
 
-std::vector<std::uint64_t> parts_by_level(const CubeStatue& statue, const CubeCut& cut) {
+std::vector<std::uint64_t> parts_by_level(const Statue& statue, const Cut& cut) {
   std::vector<std::uint64_t> counts(statue.deepest_level() + 1, 0);
   for (const access::RowIndex row : cut.rows)
     if (const container::NodeRow& node = statue.rows()[row]; node.triangles > 0) ++counts[node.level];

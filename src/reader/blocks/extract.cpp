@@ -46,8 +46,8 @@ mesh::Color blend(const mesh::Color& own, const mesh::Color& parent, double lamb
 }
 
 // Draws vertex i between itself and its parent in `coarser`.
-void morph_vertex(const CubeStatue& statue, const codec::coded::CodedNode& coarser, std::size_t i,
-                  double lambda, DrawnCube& drawn) {
+void morph_vertex(const Statue& statue, const codec::coded::CodedNode& coarser, std::size_t i, double lambda,
+                  DrawnCube& drawn) {
   codec::coded::CodedPart& mesh = drawn.node.parts[0];
   const codec::coded::CodedPart& parents = coarser.parts[0];
   const std::uint32_t parent = mesh.parents[i];
@@ -64,7 +64,7 @@ void morph_vertex(const CubeStatue& statue, const codec::coded::CodedNode& coars
         lambda > 0.0 ? blend(mesh.colors[i], parents.colors[parent], lambda) : parents.colors[parent];
 }
 
-DrawnCube draw(const CubeStatue& statue, const CubeCut& cut, access::RowIndex row) {
+DrawnCube draw(const Statue& statue, const Cut& cut, access::RowIndex row) {
   DrawnCube drawn{{}, statue.load(row)};
   const codec::coded::CodedPart& mesh = drawn.node.parts[0];
   const std::size_t count = mesh.positions.size();
@@ -107,7 +107,7 @@ void append(const DrawnCube& drawn, access::CutMesh& mesh) {
 
 }  // namespace
 
-access::CutMesh assemble(const CubeStatue& statue, const CubeCut& cut) {
+access::CutMesh assemble(const Statue& statue, const Cut& cut) {
   std::vector<access::RowIndex> drawn;
   for (const access::RowIndex row : cut.rows)
     if (statue.rows()[row].triangles > 0) drawn.push_back(row);
@@ -122,7 +122,7 @@ access::CutMesh assemble(const CubeStatue& statue, const CubeCut& cut) {
   return mesh;
 }
 
-access::Extraction CubeStatue::extract(const access::CutRequest& request) const {
+access::Extraction Statue::extract(const access::CutRequest& request) const {
   return access::extract_cut(*this, request);
 }
 

@@ -8,8 +8,8 @@ namespace colossus::reader::blocks {
 
 // Vertices are morphed as the cut says, each on the straight way to its parent, attributes likewise; a vertex
 // at an end of its way is bit-equal to it. They are then welded like those of diamonds, in order of first
-// occurrence in the cut (rows in order). Memory: proportional to the result. Throws like CubeStatue::load()
+// occurrence in the cut (rows in order). Memory: proportional to the result. Throws like Statue::load()
 // and CutMesh::add_position(), and Error(kBadData) when a vertex that is to be morphed has no parent.
-access::CutMesh assemble(const CubeStatue& statue, const CubeCut& cut);
+access::CutMesh assemble(const Statue& statue, const Cut& cut);
 
 }  // namespace colossus::reader::blocks

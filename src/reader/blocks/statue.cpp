@@ -14,7 +14,7 @@ using hierarchy::CubeId;
 
 namespace {
 
-double parameter(const access::StatueFile& statue, const std::string& name) {
+double parameter(const access::Statue& statue, const std::string& name) {
   for (const container::NamedReal& parameter : statue.metadata().parameters)
     if (parameter.name == name) return parameter.value;
   core::fail(Status::kBadData, "{}: the parameter \"{}\" is missing", statue.container().path().string(),
@@ -23,11 +23,11 @@ double parameter(const access::StatueFile& statue, const std::string& name) {
 
 }  // namespace
 
-CubeStatue::CubeStatue(const std::filesystem::path& path, const access::StatueOptions& options)
-    : CubeStatue(container::ContainerReader(path), options) {}
+Statue::Statue(const std::filesystem::path& path, const access::StatueOptions& options)
+    : Statue(container::ContainerReader(path), options) {}
 
-CubeStatue::CubeStatue(container::ContainerReader container, const access::StatueOptions& options)
-    : access::StatueFile(std::move(container), hierarchy::kBlocks), cache_(options.cache_bytes) {
+Statue::Statue(container::ContainerReader container, const access::StatueOptions& options)
+    : access::Statue(std::move(container), hierarchy::kBlocks), cache_(options.cache_bytes) {
   const std::string file = this->container().path().string();
   sigma0_ = parameter(*this, "sigma0");
   if (!(sigma0_ > 0.0) || !(sigma0_ <= 1.0))
@@ -51,14 +51,14 @@ CubeStatue::CubeStatue(container::ContainerReader container, const access::Statu
   }
 }
 
-CubeId CubeStatue::cube(access::RowIndex row) const {
+CubeId Statue::cube(access::RowIndex row) const {
   const NodeRow& node = rows()[row];
   const geometry::Point center{node.center[0], node.center[1], node.center[2]};
   const auto level = std::min<std::uint32_t>(node.level, hierarchy::kMaxCubeLevel + 1);
   return hierarchy::cube_at(center, static_cast<int>(level), root_bits());
 }
 
-access::RowIndex CubeStatue::find(const CubeId& cube) const {
+access::RowIndex Statue::find(const CubeId& cube) const {
   if (!cube.is_inside_root() || cube.level >= root_bits()) return access::kNoRow;
   const geometry::Point center = cube.center(root_bits());
   const auto level = static_cast<std::uint32_t>(cube.level);
@@ -70,11 +70,11 @@ access::RowIndex CubeStatue::find(const CubeId& cube) const {
   return static_cast<access::RowIndex>(found - rows().begin());
 }
 
-access::RowIndex CubeStatue::parent(access::RowIndex row) const {
+access::RowIndex Statue::parent(access::RowIndex row) const {
   return rows()[row].level == 0 ? access::kNoRow : find(cube(row).parent());
 }
 
-std::array<access::RowIndex, 8> CubeStatue::children(access::RowIndex row) const {
+std::array<access::RowIndex, 8> Statue::children(access::RowIndex row) const {
   std::array<access::RowIndex, 8> result{};
   const CubeId own = cube(row);
   for (int octant = 0; octant < 8; ++octant)
@@ -82,7 +82,7 @@ std::array<access::RowIndex, 8> CubeStatue::children(access::RowIndex row) const
   return result;
 }
 
-RowRange CubeStatue::rows_of_level(std::uint32_t level) const {
+RowRange Statue::rows_of_level(std::uint32_t level) const {
   const auto before = [](const NodeRow& row, std::uint32_t wanted) { return row.level < wanted; };
   const auto first = std::lower_bound(rows().begin(), rows().end(), level, before);
   const auto last = std::lower_bound(first, rows().end(), level + 1, before);
@@ -90,7 +90,7 @@ RowRange CubeStatue::rows_of_level(std::uint32_t level) const {
           static_cast<access::RowIndex>(last - rows().begin())};
 }
 
-codec::coded::CodedNode CubeStatue::load(access::RowIndex index) const {
+codec::coded::CodedNode Statue::load(access::RowIndex index) const {
   const NodeRow& row = rows()[index];
   const auto payload = container().read_payload(index);
   // The container's defects name file and node themselves.
@@ -119,7 +119,7 @@ codec::coded::CodedNode CubeStatue::load(access::RowIndex index) const {
   return std::move(node);
 }
 
-std::shared_ptr<const codec::coded::CodedNode> CubeStatue::node(access::RowIndex row) const {
+std::shared_ptr<const codec::coded::CodedNode> Statue::node(access::RowIndex row) const {
   return cache_.get(
       row, [&] { return load(row); }, codec::coded::memory_bytes);
 }

@@ -14,7 +14,7 @@
 #include "codec/coded/lattice_node.hpp"
 #include "hierarchy/octree.hpp"
 #include "reader/access/node_cache.hpp"
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 
 namespace colossus::reader::blocks {
 
@@ -25,13 +25,13 @@ struct RowRange {
   std::size_t size() const { return last - first; }
 };
 
-class CubeStatue final : public access::StatueFile {
+class Statue final : public access::Statue {
  public:
   // Throws Error(kBadData) when the container is damaged, lacks sigma0 or block_size or has impossible ones,
   // or when a row's centre is no cube's centre of the row's level. What the rows say about each other is
   // checked by verify() only; everything here is total whatever they say. Not collective.
-  explicit CubeStatue(const std::filesystem::path& path, const access::StatueOptions& options = {});
-  explicit CubeStatue(container::ContainerReader container, const access::StatueOptions& options = {});
+  explicit Statue(const std::filesystem::path& path, const access::StatueOptions& options = {});
+  explicit Statue(container::ContainerReader container, const access::StatueOptions& options = {});
 
   access::Extraction extract(const access::CutRequest& request) const override;
   std::string_view name_of_parts() const override { return "cubes"; }

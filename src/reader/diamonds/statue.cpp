@@ -18,7 +18,7 @@ Statue::Statue(const std::filesystem::path& path, const access::StatueOptions& o
     : Statue(container::ContainerReader(path), options) {}
 
 Statue::Statue(container::ContainerReader container, const access::StatueOptions& options)
-    : access::StatueFile(std::move(container), hierarchy::kDiamonds), cache_(options.cache_bytes) {
+    : access::Statue(std::move(container), hierarchy::kDiamonds), cache_(options.cache_bytes) {
   const container::Metadata& meta = metadata();
   const std::string file = this->container().path().string();
   if (meta.lattice.root_bits != geometry::kRootBits)

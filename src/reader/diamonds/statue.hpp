@@ -18,7 +18,7 @@
 #include "geometry/lattice.hpp"
 #include "hierarchy/diamond.hpp"
 #include "reader/access/node_cache.hpp"
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 
 namespace colossus::reader::diamonds {
 
@@ -39,7 +39,7 @@ struct Node {
   std::size_t memory_bytes() const { return sizeof(diamond) + codec::coded::memory_bytes(mesh); }
 };
 
-class Statue final : public access::StatueFile {
+class Statue final : public access::Statue {
  public:
   // Throws Error(kBadData) when the container is damaged, or when a row's centre is no diamond's centre of
   // the row's level, a place of its mask lies outside the root cube, or its error or bounds are not finite.

@@ -30,7 +30,7 @@ std::string text_of(const Corners& t) {
 
 class CubeChecker {
  public:
-  CubeChecker(const reader::blocks::CubeStatue& statue, reader::access::RowIndex row, const LevelFacts& facts)
+  CubeChecker(const reader::blocks::Statue& statue, reader::access::RowIndex row, const LevelFacts& facts)
       : statue_(statue), row_(row), facts_(facts) {}
 
   CubeReport run() {
@@ -273,7 +273,7 @@ class CubeChecker {
             text_of(missing.empty() ? extra.front() : missing.front())));
   }
 
-  const reader::blocks::CubeStatue& statue_;
+  const reader::blocks::Statue& statue_;
   const reader::access::RowIndex row_;
   const LevelFacts& facts_;
   CubeReport report_;
@@ -281,7 +281,7 @@ class CubeChecker {
 
 }  // namespace
 
-std::int64_t greatest_overhang(const reader::blocks::CubeStatue& statue, std::uint32_t level) {
+std::int64_t greatest_overhang(const reader::blocks::Statue& statue, std::uint32_t level) {
   const container::LatticeInfo& lattice = statue.metadata().lattice;
   double greatest = 0.0;
   const reader::blocks::RowRange range = statue.rows_of_level(level);
@@ -300,12 +300,12 @@ std::int64_t greatest_overhang(const reader::blocks::CubeStatue& statue, std::ui
   return static_cast<std::int64_t>(std::ceil(std::min(greatest, std::ldexp(1.0, statue.root_bits())))) + 1;
 }
 
-CubeReport check_cube(const reader::blocks::CubeStatue& statue, reader::access::RowIndex row,
+CubeReport check_cube(const reader::blocks::Statue& statue, reader::access::RowIndex row,
                       const LevelFacts& facts) {
   return CubeChecker(statue, row, facts).run();
 }
 
-std::vector<measure::Finding> check_shared(const reader::blocks::CubeStatue& statue,
+std::vector<measure::Finding> check_shared(const reader::blocks::Statue& statue,
                                            std::vector<SharedVertex>& vertices) {
   const auto key = [](const SharedVertex& v) {
     return std::tie(v.position, v.row, v.parent, v.normal, v.color);

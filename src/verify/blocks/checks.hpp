@@ -24,7 +24,7 @@ struct SharedVertex {
 
 // How far, in lattice units and rounded up, a vertex of a cube of the level can lie outside the cube, by the
 // rows' bounds. A vertex deeper than that within its cube is in no other one.
-std::int64_t greatest_overhang(const reader::blocks::CubeStatue& statue, std::uint32_t level);
+std::int64_t greatest_overhang(const reader::blocks::Statue& statue, std::uint32_t level);
 
 // What check_cube() must know about the levels.
 struct LevelFacts {
@@ -59,11 +59,11 @@ struct CubeReport {
 
 // The row against other rows, its mesh against the row and the conditions, and its children's parent maps
 // against it. Throws Error(kIo) when the device fails.
-CubeReport check_cube(const reader::blocks::CubeStatue& statue, reader::access::RowIndex row,
+CubeReport check_cube(const reader::blocks::Statue& statue, reader::access::RowIndex row,
                       const LevelFacts& facts);
 
 // Cubes that share a vertex of one level must agree about it. Sorts.
-std::vector<measure::Finding> check_shared(const reader::blocks::CubeStatue& statue,
+std::vector<measure::Finding> check_shared(const reader::blocks::Statue& statue,
                                            std::vector<SharedVertex>& vertices);
 
 }  // namespace colossus::verify::blocks

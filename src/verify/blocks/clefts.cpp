@@ -44,8 +44,8 @@ measure::CleftDensities CleftCounts::densities() const {
   return {relative(kLocked), relative(kEarlier)};
 }
 
-CleftCounts count_clefts(const reader::blocks::CubeStatue& statue, int level,
-                         const codec::coded::CodedNode& node, double width, bool has_shifted_blocks) {
+CleftCounts count_clefts(const reader::blocks::Statue& statue, int level, const codec::coded::CodedNode& node,
+                         double width, bool has_shifted_blocks) {
   std::vector<Borders> borders;  // of levels level + 1, level + 2 ...
   const double root_side = std::ldexp(1.0, statue.root_bits());
   for (int finer = level + 1; finer <= static_cast<int>(statue.deepest_level()); ++finer) {

@@ -29,8 +29,8 @@ struct CleftCounts {
 // units; one edge length) of a border locked for this level, else kEarlier when within it of an earlier one.
 // Borders less than eight widths apart would leave no interior, so the finest ones are left out. No container
 // says that its blocks are not shifted.
-CleftCounts count_clefts(const reader::blocks::CubeStatue& statue, int level,
-                         const codec::coded::CodedNode& node, double width, bool has_shifted_blocks = true);
+CleftCounts count_clefts(const reader::blocks::Statue& statue, int level, const codec::coded::CodedNode& node,
+                         double width, bool has_shifted_blocks = true);
 
 struct EdgeLengths {
   double sum = 0.0;

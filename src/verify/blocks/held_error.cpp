@@ -5,7 +5,7 @@
 
 namespace colossus::verify::blocks {
 
-measure::HeldError held_error(const reader::blocks::CubeStatue& statue, std::uint32_t level,
+measure::HeldError held_error(const reader::blocks::Statue& statue, std::uint32_t level,
                               const measure::WorldPoint& p, const std::vector<bool>& is_damaged) {
   const measure::WorldPoint q = measure::lattice_position(statue.metadata().lattice, p);
   // No point of a triangle is farther from its barycentre than two thirds of its longest edge.

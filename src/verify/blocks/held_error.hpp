@@ -8,7 +8,7 @@ namespace colossus::verify::blocks {
 
 // The cubes of the level that a triangle through the point can belong to: those of the deepest level that
 // hold barycentres of triangles through it, whose edges sigma0 bounds, and their ancestors. Microseconds.
-measure::HeldError held_error(const reader::blocks::CubeStatue& statue, std::uint32_t level,
+measure::HeldError held_error(const reader::blocks::Statue& statue, std::uint32_t level,
                               const measure::WorldPoint& p, const std::vector<bool>& is_damaged);
 
 }  // namespace colossus::verify::blocks

@@ -15,7 +15,7 @@ constexpr std::size_t kBatch = 64;                    // nodes in flight
 constexpr std::size_t kMostInputSamples = 1'000'000;  // per level
 class CubeVerifier {
  public:
-  CubeVerifier(const reader::blocks::CubeStatue& statue, const measure::VerifyOptions& options)
+  CubeVerifier(const reader::blocks::Statue& statue, const measure::VerifyOptions& options)
       : statue_(statue),
         options_(options),
         log_(report_, options.examples_per_kind),
@@ -171,7 +171,7 @@ class CubeVerifier {
     log_.check_looseness();
   }
 
-  const reader::blocks::CubeStatue& statue_;
+  const reader::blocks::Statue& statue_;
   const measure::VerifyOptions& options_;
   measure::VerifyReport report_;
   measure::FindingLog log_;
@@ -188,8 +188,7 @@ class CubeVerifier {
 
 }  // namespace
 
-measure::VerifyReport verify(const reader::blocks::CubeStatue& statue,
-                             const measure::VerifyOptions& options) {
+measure::VerifyReport verify(const reader::blocks::Statue& statue, const measure::VerifyOptions& options) {
   return CubeVerifier(statue, options).run();
 }
 

@@ -21,7 +21,7 @@ namespace colossus::verify::blocks {
 // node twice, on all usable processors; the report does not depend on their number. Memory: some 100 bytes
 // per vertex of one level that lies within reach of its cube's border, and a batch of nodes; with the input
 // also a copy of its points, one whole level, and an index over each.
-measure::VerifyReport verify(const reader::blocks::CubeStatue& statue,
+measure::VerifyReport verify(const reader::blocks::Statue& statue,
                              const measure::VerifyOptions& options = {});
 
 }  // namespace colossus::verify::blocks

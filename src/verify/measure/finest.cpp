@@ -16,7 +16,7 @@ constexpr int kFineBits = 12;
 constexpr double kAreaShare = 1e-3;
 constexpr double kSameArea = 1e-9;  // for sums in another order
 
-std::string missing_facts(const reader::access::StatueFile& statue) {
+std::string missing_facts(const reader::access::Statue& statue) {
   std::string missing;
   const auto expect = [&](bool is_there, const char* name) {
     if (!is_there) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", name);
@@ -32,13 +32,13 @@ std::string missing_facts(const reader::access::StatueFile& statue) {
   return missing;
 }
 
-void check_count(const reader::access::StatueFile& statue, FindingKind kind, const char* name,
-                 const char* what, std::uint64_t found, FindingLog& log) {
+void check_count(const reader::access::Statue& statue, FindingKind kind, const char* name, const char* what,
+                 std::uint64_t found, FindingLog& log) {
   if (const auto stored = statue.count_of(name); stored && *stored != found)
     log.add({kind, fmt::format("the finest level has {} {}; the container says {}", found, what, *stored)});
 }
 
-void check_area(const reader::access::StatueFile& statue, const FinestSurface& finest, FindingLog& log) {
+void check_area(const reader::access::Statue& statue, const FinestSurface& finest, FindingLog& log) {
   const auto stored = statue.measure_of("finest_area");
   const auto of_input = statue.measure_of("input_area");
   if (stored && !(std::abs(finest.area - *stored) <= kSameArea * finest.area + finest.rounding))
@@ -61,7 +61,7 @@ void check_area(const reader::access::StatueFile& statue, const FinestSurface& f
                          100.0 * finest.area / *of_input, 100.0 * kAreaShare)});
 }
 
-void check_bounds(const reader::access::StatueFile& statue, const FinestSurface& finest, FindingLog& log) {
+void check_bounds(const reader::access::Statue& statue, const FinestSurface& finest, FindingLog& log) {
   const auto stored = stored_bounds(statue);
   if (!stored || finest.bounds.is_empty()) return;
   // Nothing is left of a vertex that only degenerate triangles use.
@@ -126,7 +126,7 @@ void add_area(FinestSurface& part, std::span<const codec::coded::ScaledPosition>
   part.rounding += 8.0 * std::numeric_limits<double>::epsilon() * products / (units * units);
 }
 
-std::optional<geometry::Bounds> stored_bounds(const reader::access::StatueFile& statue) {
+std::optional<geometry::Bounds> stored_bounds(const reader::access::Statue& statue) {
   static constexpr std::array<std::array<const char*, 2>, 3> kNames{
       {{"min_x", "max_x"}, {"min_y", "max_y"}, {"min_z", "max_z"}}};
   geometry::Bounds bounds;
@@ -140,7 +140,7 @@ std::optional<geometry::Bounds> stored_bounds(const reader::access::StatueFile& 
   return bounds;
 }
 
-void check_finest(const reader::access::StatueFile& statue, const FinestSurface& finest, FindingLog& log) {
+void check_finest(const reader::access::Statue& statue, const FinestSurface& finest, FindingLog& log) {
   if (const std::string missing = missing_facts(statue); !missing.empty())
     log.add_note(fmt::format("not checked, since the container does not say: {}", missing));
   if (!finest.is_whole) {

@@ -31,10 +31,10 @@ void add_area(FinestSurface& part, std::span<const codec::coded::ScaledPosition>
               std::span<const mesh::Triangle> triangles, double units);
 
 // The bounds of the vertices that the input's triangles use, where the container has them all.
-std::optional<geometry::Bounds> stored_bounds(const reader::access::StatueFile& statue);
+std::optional<geometry::Bounds> stored_bounds(const reader::access::Statue& statue);
 
 // Triangles, area, bounds, border and non-manifold edges; a note instead where the container stores none.
 // Nothing when a leaf is damaged.
-void check_finest(const reader::access::StatueFile& statue, const FinestSurface& finest, FindingLog& log);
+void check_finest(const reader::access::Statue& statue, const FinestSurface& finest, FindingLog& log);
 
 }  // namespace colossus::verify::measure

@@ -13,7 +13,7 @@ WorldPoint lattice_position(const container::LatticeInfo& lattice, const WorldPo
   return q;
 }
 
-void consider(const reader::access::StatueFile& statue, reader::access::RowIndex row,
+void consider(const reader::access::Statue& statue, reader::access::RowIndex row,
               const std::vector<bool>& is_damaged, HeldError& held) {
   if (is_damaged[row]) held.is_known = false;
   const double error = statue.rows()[row].error;

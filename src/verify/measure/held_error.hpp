@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 #include "verify/measure/distance.hpp"
 
 namespace colossus::verify::measure {
@@ -25,7 +25,7 @@ struct HeldError {
 WorldPoint lattice_position(const container::LatticeInfo& lattice, const WorldPoint& p);
 
 // Makes the row the one whose error holds if its error is larger.
-void consider(const reader::access::StatueFile& statue, reader::access::RowIndex row,
+void consider(const reader::access::Statue& statue, reader::access::RowIndex row,
               const std::vector<bool>& is_damaged, HeldError& held);
 
 }  // namespace colossus::verify::measure

@@ -22,7 +22,7 @@ double root_side(const container::LatticeInfo& lattice) {
 
 // The larger of the root cube and the input, since a foreign input may be anything. What no triangle uses,
 // such as a marker at 1e300, must not make all that is used vanish.
-Scale scale_for(const reader::access::StatueFile& statue, const Surface& raw) {
+Scale scale_for(const reader::access::Statue& statue, const Surface& raw) {
   geometry::Bounds bounds;
   for (const mesh::Triangle& t : raw.triangles)
     for (const auto v : t) bounds.add(raw.points[v]);
@@ -98,7 +98,7 @@ struct TaskResult {
       distances;  // the greatest from what a node stands for, or is nearest to
   std::map<reader::access::RowIndex, Excess> excesses;
 
-  void add(const reader::access::StatueFile& statue, const MeasuredSample& sample) {
+  void add(const reader::access::Statue& statue, const MeasuredSample& sample) {
     const double error = sample.held.error;
     const bool exceeds = !is_within(statue, sample.distance, error);
     if (sample.is_exact)
@@ -119,8 +119,8 @@ struct TaskResult {
   }
 };
 
-Finding finding_of(const reader::access::StatueFile& statue, std::uint32_t level,
-                   reader::access::RowIndex row, const Excess& excess) {
+Finding finding_of(const reader::access::Statue& statue, std::uint32_t level, reader::access::RowIndex row,
+                   const Excess& excess) {
   const std::string node = row == reader::access::kNoRow
                                ? "no node stands for"
                                : fmt::format("the node at {} stands for, which stores an error of {}",
@@ -135,7 +135,7 @@ Finding finding_of(const reader::access::StatueFile& statue, std::uint32_t level
 
 }  // namespace
 
-Input::Input(const reader::access::StatueFile& statue, const Surface& raw)
+Input::Input(const reader::access::Statue& statue, const Surface& raw)
     : statue_(statue),
       raw_(raw),
       scale_(scale_for(statue, raw)),
@@ -249,10 +249,9 @@ SurfaceIndex::Nearest world_distance(const Scale& scale, const SurfaceIndex& ind
   return found;
 }
 
-void measure_from_input(const reader::access::StatueFile& statue, const Input& input,
-                        const LevelSurface& level, const LevelMeasure& measure,
-                        const std::function<HeldError(const WorldPoint&)>& held, FindingLog& log,
-                        std::vector<double>& greatest) {
+void measure_from_input(const reader::access::Statue& statue, const Input& input, const LevelSurface& level,
+                        const LevelMeasure& measure, const std::function<HeldError(const WorldPoint&)>& held,
+                        FindingLog& log, std::vector<double>& greatest) {
   if (level.is_empty()) {
     if (!measure.has_damage)
       log.add({FindingKind::kInputDistance, fmt::format("level {} has no triangles", measure.level)});

@@ -17,7 +17,7 @@ namespace colossus::verify::measure {
 class Input {
  public:
   // `raw` in world units, which must outlive this.
-  Input(const reader::access::StatueFile& statue, const Surface& raw);
+  Input(const reader::access::Statue& statue, const Surface& raw);
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
 
@@ -36,7 +36,7 @@ class Input {
   void compare_bounds(FindingLog& log) const;
   void compare_area(FindingLog& log) const;
 
-  const reader::access::StatueFile& statue_;
+  const reader::access::Statue& statue_;
   const Surface raw_;
   const Scale scale_;
   const std::vector<WorldPoint> points_;
@@ -63,9 +63,8 @@ struct LevelMeasure {
 // greatest[row] becomes at least the distance of each sample that was measured exactly and that the row
 // stands for, or is nearest to. `held` says which error holds at a point, in world units; it is called by all
 // threads.
-void measure_from_input(const reader::access::StatueFile& statue, const Input& input,
-                        const LevelSurface& level, const LevelMeasure& measure,
-                        const std::function<HeldError(const WorldPoint&)>& held, FindingLog& log,
-                        std::vector<double>& greatest);
+void measure_from_input(const reader::access::Statue& statue, const Input& input, const LevelSurface& level,
+                        const LevelMeasure& measure, const std::function<HeldError(const WorldPoint&)>& held,
+                        FindingLog& log, std::vector<double>& greatest);
 
 }  // namespace colossus::verify::measure

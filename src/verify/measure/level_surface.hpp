@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 #include "verify/measure/distance.hpp"
 
 namespace colossus::verify::measure {

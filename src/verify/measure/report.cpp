@@ -105,7 +105,7 @@ void FindingLog::add_input_measure(std::uint64_t samples, double greatest_ratio)
   report_.levels.back().input_ratio = greatest_ratio;
 }
 
-void FindingLog::check_census(const reader::access::StatueFile& statue) {
+void FindingLog::check_census(const reader::access::Statue& statue) {
   if (report_.levels.empty()) return;
   check_edges(FindingKind::kBorder, "border", &LevelReport::border_edges, statue.count_of("border_edges"));
   // What the lattice lays onto each other is non-manifold from the finest level on, and the build says so.
@@ -126,7 +126,7 @@ void FindingLog::check_edges(FindingKind kind, const char* word, std::uint64_t L
                              of_input ? "the input" : "the finest cut")});
 }
 
-void FindingLog::check_orientation(const reader::access::StatueFile& statue) {
+void FindingLog::check_orientation(const reader::access::Statue& statue) {
   const auto& columns = statue.metadata().levels;
   const auto column = std::find_if(columns.begin(), columns.end(),
                                    [](const auto& c) { return c.name == "inconsistent_edges"; });
@@ -173,7 +173,7 @@ std::vector<std::string> layout_faults(const std::vector<container::NodeRow>& ro
   return faults;
 }
 
-void check_layout(const reader::access::StatueFile& statue, FindingLog& log) {
+void check_layout(const reader::access::Statue& statue, FindingLog& log) {
   const container::ContainerReader& container = statue.container();
   if (!container.offsets_hold()) {
     log.add_note(
@@ -193,11 +193,11 @@ double arithmetic_tolerance(const container::LatticeInfo& lattice) {
   return 4.0 * std::numeric_limits<double>::epsilon() * magnitude;
 }
 
-bool is_within(const reader::access::StatueFile& statue, double distance, double error) {
+bool is_within(const reader::access::Statue& statue, double distance, double error) {
   return distance <= error * (1.0 + 1e-9) + arithmetic_tolerance(statue.metadata().lattice);
 }
 
-std::optional<Finding> check_distance(const reader::access::StatueFile& statue, reader::access::RowIndex row,
+std::optional<Finding> check_distance(const reader::access::Statue& statue, reader::access::RowIndex row,
                                       const WorldPoint& p, double distance) {
   const double error = statue.rows()[row].error;
   if (is_within(statue, distance, error)) return std::nullopt;

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 #include "verify/measure/distance.hpp"
 
 namespace colossus::verify::measure {
@@ -111,9 +111,9 @@ class FindingLog {
   void add_note(std::string note) { report_.notes.push_back(std::move(note)); }
   // Border and non-manifold edges where the input, or else the finest cut, has none; the latter only where
   // the finest level has none either, as the container says.
-  void check_census(const reader::access::StatueFile& statue);
+  void check_census(const reader::access::Statue& statue);
   // Inconsistently oriented edges where the container says how many each level has.
-  void check_orientation(const reader::access::StatueFile& statue);
+  void check_orientation(const reader::access::Statue& statue);
   // when more than half of the measured nodes are loose.
   void check_looseness();
   // Findings by kind.
@@ -131,7 +131,7 @@ class FindingLog {
 std::vector<std::string> layout_faults(const std::vector<container::NodeRow>& rows,
                                        std::uint64_t table_offset);
 // Of a container whose offsets hold.
-void check_layout(const reader::access::StatueFile& statue, FindingLog& log);
+void check_layout(const reader::access::Statue& statue, FindingLog& log);
 
 // What double arithmetic may lose in a distance to the root cube of a lattice.
 double arithmetic_tolerance(const container::LatticeInfo& lattice);
@@ -140,10 +140,10 @@ double arithmetic_tolerance(const container::LatticeInfo& lattice);
 inline constexpr double kLooseFactor = 4.0;
 
 // The same of this one; whether a distance is no more than an error, as far as doubles tell.
-bool is_within(const reader::access::StatueFile& statue, double distance, double error);
+bool is_within(const reader::access::Statue& statue, double distance, double error);
 
 // The finding when p, the farthest sample of a row, is farther from the input than the row's error.
-std::optional<Finding> check_distance(const reader::access::StatueFile& statue, reader::access::RowIndex row,
+std::optional<Finding> check_distance(const reader::access::Statue& statue, reader::access::RowIndex row,
                                       const WorldPoint& p, double distance);
 
 }  // namespace colossus::verify::measure

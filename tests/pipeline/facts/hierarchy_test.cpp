@@ -52,11 +52,11 @@ std::vector<double> numbers_of(const LevelStatistics& level) {
   return numbers;
 }
 
-TEST(Hierarchy, AddsUpItsNodes) {
+TEST(FinishedNodes, AddsUpItsNodes) {
   std::mt19937_64 random(1);
   std::vector<FinishedNode> nodes;
   for (int i = 0; i < 200; ++i) nodes.push_back(random_node(random));
-  Hierarchy hierarchy;
+  FinishedNodes hierarchy;
   for (const FinishedNode& node : nodes) hierarchy.add(node);
   std::vector<std::vector<double>> expected(6);
   std::uint64_t finest = 0;
@@ -65,7 +65,7 @@ TEST(Hierarchy, AddsUpItsNodes) {
     for (const FinishedNode& node : nodes) {
       if (node.row.level != l) continue;
       // What a hierarchy of this node alone says.
-      Hierarchy alone;
+      FinishedNodes alone;
       alone.add(node);
       const std::vector<double> own = numbers_of(alone.levels.at(l));
       EXPECT_EQ(own[0], node.row.error);
@@ -82,14 +82,14 @@ TEST(Hierarchy, AddsUpItsNodes) {
   EXPECT_EQ(hierarchy.finest_triangles(), finest);
 }
 
-TEST(Hierarchy, IsTheSameInWhateverOrderNodesComeOnceItIsSorted) {
+TEST(FinishedNodes, IsTheSameInWhateverOrderNodesComeOnceItIsSorted) {
   std::mt19937_64 random(2);
   std::vector<FinishedNode> nodes;
   for (int i = 0; i < 500; ++i) nodes.push_back(random_node(random));
-  Hierarchy one;
+  FinishedNodes one;
   for (const FinishedNode& node : nodes) one.add(node);
   std::shuffle(nodes.begin(), nodes.end(), random);
-  Hierarchy other;
+  FinishedNodes other;
   for (const FinishedNode& node : nodes) other.add(node);
   one.sort();
   other.sort();
@@ -100,8 +100,8 @@ TEST(Hierarchy, IsTheSameInWhateverOrderNodesComeOnceItIsSorted) {
               std::tie(one.nodes[i].row.level, one.nodes[i].row.center));
 }
 
-TEST(Hierarchy, TakesStatisticsOfALevelThatHasNoNodeYet) {
-  Hierarchy hierarchy;
+TEST(FinishedNodes, TakesStatisticsOfALevelThatHasNoNodeYet) {
+  FinishedNodes hierarchy;
   NodeStatistics statistics;
   statistics.locked_vertices = 7;
   hierarchy.add(3, statistics);
@@ -127,7 +127,7 @@ TEST(Tolerance, IsRefusedWhereALeafErrsMore) {
 
 TEST(MissedTarget, IsWarnedOfFromATenthOn) {
   const auto warning = [](std::uint64_t reached) {
-    Hierarchy hierarchy;
+    FinishedNodes hierarchy;
     NodeStatistics statistics;
     statistics.target_triangles = 1000;
     statistics.reached_triangles = reached;

@@ -16,8 +16,8 @@ facts::Catalog input() {
   return catalog;
 }
 
-facts::Hierarchy leaves(double share, std::uint32_t triangles, int position_bits = 12) {
-  facts::Hierarchy hierarchy;
+facts::FinishedNodes leaves(double share, std::uint32_t triangles, int position_bits = 12) {
+  facts::FinishedNodes hierarchy;
   hierarchy.lattice.step = 0.25;
   hierarchy.position_bits = position_bits;
   facts::FinishedNode node;

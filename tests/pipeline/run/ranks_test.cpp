@@ -123,7 +123,7 @@ std::pair<nlohmann::json, nlohmann::json> report(const core::Error* failure) {
   build.reporter().set_input(catalog);
   build.reporter().set_attempt(4);
   build.reporter().set_estimate({1, 2, 3, 4, 5});
-  facts::Hierarchy hierarchy;
+  facts::FinishedNodes hierarchy;
   hierarchy.levels.resize(2);
   hierarchy.levels[1].triangles = 99;
   hierarchy.nodes.resize(6);

@@ -18,7 +18,7 @@ namespace {
 using geometry::Point;
 using hierarchy::CubeId;
 
-std::set<int> levels_of(const CubeStatue& statue, const CubeCut& cut) {
+std::set<int> levels_of(const Statue& statue, const Cut& cut) {
   std::set<int> levels;
   for (const access::RowIndex row : cut.rows)
     if (statue.rows()[row].triangles > 0) levels.insert(statue.cube(row).level);
@@ -26,7 +26,7 @@ std::set<int> levels_of(const CubeStatue& statue, const CubeCut& cut) {
 }
 
 // In the bounds of the surface, at most a root side outside, or within an edge length of a vertex.
-verify::measure::WorldPoint random_eye(const CubeStatue& statue, std::mt19937_64& random) {
+verify::measure::WorldPoint random_eye(const Statue& statue, std::mt19937_64& random) {
   auto bounds = statue.rows()[0].bounds;
   const auto kind = random() % 3;
   double margin = kind == 1 ? BlocksFixture::kRootSide : 0.0;
@@ -49,7 +49,7 @@ TEST(BlocksCut, LevelsAreWholeAndUnmorphed) {
   BlocksFixture fixture(torus(128, 40));
   const auto statue = fixture.open();
   for (std::uint32_t level = 0; level <= 5; ++level) {
-    const CubeCut cut = cut_at_level(*statue, level);
+    const Cut cut = cut_at_level(*statue, level);
     EXPECT_FALSE(cut.morph.has_value());
     const int expected = std::min(3, static_cast<int>(level));
     EXPECT_EQ(levels_of(*statue, cut), std::set<int>{expected});
@@ -71,7 +71,7 @@ TEST(BlocksCut, ErrorChoosesTheCoarsestLevelThatIsGoodEnough) {
   EXPECT_EQ(levels_of(*statue, cut_with_error(*statue, 3.0)), std::set<int>{1});
   EXPECT_EQ(levels_of(*statue, cut_with_error(*statue, 1.5)), std::set<int>{3});
   EXPECT_TRUE(cut_with_error(*statue, 1.5).warning.empty());
-  const CubeCut finest = cut_with_error(*statue, 1.0);
+  const Cut finest = cut_with_error(*statue, 1.0);
   EXPECT_EQ(levels_of(*statue, finest), std::set<int>{3});
   EXPECT_NE(finest.warning.find("1.5"), std::string::npos);
 }
@@ -84,7 +84,7 @@ TEST(BlocksCut, TrianglesChooseTheFinestLevelThatFits) {
     for (const auto& [cube, node] : fixture.nodes)
       if (cube.level == level) count += node.mesh.parts[0].triangles.size();
     EXPECT_EQ(levels_of(*statue, cut_with_triangles(*statue, count)), std::set<int>{level});
-    const CubeCut fewer = cut_with_triangles(*statue, count - 1);
+    const Cut fewer = cut_with_triangles(*statue, count - 1);
     EXPECT_EQ(levels_of(*statue, fewer), std::set<int>{std::max(0, level - 1)});
     EXPECT_EQ(fewer.warning.empty(), level > 0);
   }
@@ -101,7 +101,7 @@ TEST(BlocksCut, DistanceToACubeIsZeroInsideAndRightWithinItsSlab) {
   };
   EXPECT_EQ(distance(1.5, 2.5, 3.5), 0.0);
   EXPECT_EQ(distance(1.0, 2.0, 4.0), 0.0);
-  // In the slab of y and z: the paper's formula says half a side for an eye that is farther away.
+  // In the slab of y and z: Li's formula says half a side for an eye that is farther away.
   EXPECT_EQ(distance(0.0, 2.5, 3.5), side);
   EXPECT_EQ(distance(4.0, 2.5, 3.5), 2 * side);
   EXPECT_EQ(distance(1.25, 2.5, 5.0), side);
@@ -154,7 +154,7 @@ TEST(BlocksCut, DrawsSuitableCubesWithUnsuitableAncestors) {
   const auto statue = fixture.open();
   std::mt19937_64 random(5);
   for (int i = 0; i < 50; ++i) {
-    const CubeCut cut = cut_at_eye(*statue, {random_eye(*statue, random), 2.0});
+    const Cut cut = cut_at_eye(*statue, {random_eye(*statue, random), 2.0});
     std::vector<access::RowIndex> expected;
     for (access::RowIndex row = 0; row < statue->rows().size(); ++row) {
       CubeId cube = statue->cube(row);
@@ -178,7 +178,7 @@ TEST(BlocksCut, CountsTheCubesThatItDraws) {
   EXPECT_EQ(parts_by_level(*statue, cut_at_level(*statue, 3)),
             (std::vector<std::uint64_t>{0, 0, 0, finest - 1}));
   const auto& bounds = statue->rows()[0].bounds;
-  const CubeCut cut = cut_at_eye(*statue, {{bounds[0], bounds[1], bounds[2]}, 2.0});
+  const Cut cut = cut_at_eye(*statue, {{bounds[0], bounds[1], bounds[2]}, 2.0});
   const std::vector<std::uint64_t> parts = parts_by_level(*statue, cut);
   ASSERT_EQ(parts.size(), 4U);
   std::set<int> drawn;
@@ -200,7 +200,7 @@ TEST(BlocksCut, MorphedCutsOfAClosedSurfaceAreClosed) {
     const verify::measure::WorldPoint eye = random_eye(*statue, random);
     double kappa = i % 2 == 0 ? 2.0 : least_kappa(*statue);
     if (i % 3 == 0) kappa *= 1.0 + static_cast<double>(random() % 1000) / 500;
-    CubeCut cut = cut_at_eye(*statue, {eye, kappa});
+    Cut cut = cut_at_eye(*statue, {eye, kappa});
     const access::CutMesh mesh = assemble(*statue, cut);
     ASSERT_EQ(census_of(mesh).border_edges, 0U) << "seed " << seed << ", eye " << i << ", kappa " << kappa;
     ASSERT_GT(mesh.triangles.size(), 10U);
@@ -218,7 +218,7 @@ TEST(BlocksCut, MorphedVerticesLieOnTheWayToTheirParents) {
   BlocksFixture fixture(torus(128, 40));
   const auto statue = fixture.open();
   const auto& bounds = statue->rows()[0].bounds;
-  const CubeCut cut = cut_at_eye(*statue, {{bounds[0], bounds[1], bounds[2]}, 2.0});
+  const Cut cut = cut_at_eye(*statue, {{bounds[0], bounds[1], bounds[2]}, 2.0});
   // Three kinds of places where a vertex may be drawn; every drawn point must be one of them, bit by bit.
   std::set<verify::measure::WorldPoint> own;
   std::set<verify::measure::WorldPoint> parents;
@@ -258,7 +258,7 @@ TEST(BlocksCut, FarAndNearEyesGiveTheRootAndTheFinestLevel) {
   const auto statue = fixture.open();
   const access::CutMesh root = assemble(*statue, cut_at_level(*statue, 0));
   for (const double far : {1e3, 1e12, 1e300}) {
-    const CubeCut cut = cut_at_eye(*statue, {{far, 0, -far}, 2.0});
+    const Cut cut = cut_at_eye(*statue, {{far, 0, -far}, 2.0});
     EXPECT_EQ(levels_of(*statue, cut), std::set<int>{0}) << far;
     // There is nothing to morph it to.
     EXPECT_EQ(assemble(*statue, cut).positions, root.positions) << far;
@@ -272,7 +272,7 @@ TEST(BlocksCut, ExtractsFloatsOrDoublesAsPly) {
   BlocksFixture fixture(torus(128, 40));
   const auto statue = fixture.open();
   const auto path = fixture.folder() / "cut.ply";
-  const CubeCut cut = cut_at_eye(*statue, {{0, 12, 1}, 2.0});
+  const Cut cut = cut_at_eye(*statue, {{0, 12, 1}, 2.0});
   const access::CutMesh mesh = assemble(*statue, cut);
   const exporters::WrittenPly result = exporters::write_ply(assemble(*statue, cut), path);
   EXPECT_EQ(result.vertices, mesh.positions.size());

@@ -93,12 +93,12 @@ TEST(BlocksStatue, RefusesNodesThatAreNotWhatTheContainerSays) {
 TEST(BlocksStatue, OpenLooksAtTheScheme) {
   BlocksFixture blocks(torus(128, 40));
   blocks.write();
-  EXPECT_NE(dynamic_cast<CubeStatue*>(open(blocks.path()).get()), nullptr);
+  EXPECT_NE(dynamic_cast<Statue*>(open(blocks.path()).get()), nullptr);
   EXPECT_THROW(diamonds::Statue(blocks.path()), core::Error);
-  StatueFixture diamonds(sphere(3), 100);
+  DiamondsFixture diamonds(sphere(3), 100);
   diamonds.write();
   EXPECT_NE(dynamic_cast<diamonds::Statue*>(open(diamonds.path()).get()), nullptr);
-  EXPECT_THROW(CubeStatue(diamonds.path()), core::Error);
+  EXPECT_THROW(Statue(diamonds.path()), core::Error);
 }
 
 TEST(BlocksStatue, InfoTellsSchemeParametersAndLevels) {

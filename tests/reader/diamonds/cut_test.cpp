@@ -73,7 +73,7 @@ Cut brute_force_triangles(const Statue& statue, std::uint64_t most) {
 }
 
 TEST(Cut, EveryLevelIsClosed) {
-  StatueFixture fixture(torus(40, 24), 200);
+  DiamondsFixture fixture(torus(40, 24), 200);
   const auto statue = fixture.open();
   ASSERT_GT(statue->deepest_level(), 3U);
   for (std::uint32_t level = 0; level <= statue->deepest_level() + 1; ++level) {
@@ -101,7 +101,7 @@ TEST(Cut, EveryLevelIsClosed) {
 }
 
 TEST(Cut, RandomCutsClosedUnderParentsAreClosed) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   const auto statue = fixture.open();
   const unsigned seed = 20261123;
   std::cout << "seed " << seed << "\n";
@@ -128,7 +128,7 @@ TEST(Cut, RandomCutsClosedUnderParentsAreClosed) {
 }
 
 TEST(Cut, ErrorCutIsTheCoarsestWithinTheError) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   const auto statue = fixture.open();
   std::vector<double> errors{0.0, std::numeric_limits<double>::infinity()};
   for (access::RowIndex row = 0; row < statue->rows().size(); row += 7)
@@ -156,7 +156,7 @@ TEST(Cut, ErrorCutIsTheCoarsestWithinTheError) {
 }
 
 TEST(Cut, TriangleCutIsAPrefixOfTheRefinementOrder) {
-  StatueFixture fixture(torus(30, 16), 100);
+  DiamondsFixture fixture(torus(30, 16), 100);
   // Errors out of step with the levels, so that parents have to be forced, and with many ties.
   std::mt19937 random(5);
   for (auto& [key, node] : fixture.nodes) node.row.error = 1.0 + static_cast<double>(random() % 16);
@@ -179,7 +179,7 @@ TEST(Cut, TriangleCutIsAPrefixOfTheRefinementOrder) {
 }
 
 TEST(Cut, EyeCutRefinesWhatIsNearAndIsClosed) {
-  StatueFixture fixture(torus(40, 24), 50);
+  DiamondsFixture fixture(torus(40, 24), 50);
   const auto statue = fixture.open();
   const auto& bounds = statue->rows()[0].bounds;
   std::mt19937 random(5);

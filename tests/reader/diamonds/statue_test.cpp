@@ -29,7 +29,7 @@ std::string bad_data(Function f) {
   return {};
 }
 
-void expect_names(const std::string& message, const StatueFixture& fixture, const Statue& statue,
+void expect_names(const std::string& message, const DiamondsFixture& fixture, const Statue& statue,
                   access::RowIndex row) {
   EXPECT_NE(message.find(fixture.path().string()), std::string::npos) << message;
   EXPECT_NE(message.find(statue.name(row)), std::string::npos) << message;
@@ -37,12 +37,12 @@ void expect_names(const std::string& message, const StatueFixture& fixture, cons
   EXPECT_EQ(message.find(fixture.path().string()), message.rfind(fixture.path().string())) << message;
 }
 
-FixtureNode& node_at(StatueFixture& fixture, access::RowIndex row) {
+FixtureNode& node_at(DiamondsFixture& fixture, access::RowIndex row) {
   return std::next(fixture.nodes.begin(), row)->second;
 }
 
 TEST(Statue, FindsRowsAndLinksHalves) {
-  StatueFixture fixture(torus(40, 24), 200);
+  DiamondsFixture fixture(torus(40, 24), 200);
   const auto statue = fixture.open();
   std::size_t links = 0;
   for (access::RowIndex row = 0; row < statue->rows().size(); ++row) {
@@ -66,7 +66,7 @@ TEST(Statue, FindsRowsAndLinksHalves) {
 }
 
 TEST(Statue, DecodesWhatWasEncodedAndCachesWithinItsLimit) {
-  StatueFixture fixture(torus(40, 24), 200);
+  DiamondsFixture fixture(torus(40, 24), 200);
   const auto statue = fixture.open();
   std::size_t all_bytes = 0;
   for (access::RowIndex row = 0; row < statue->rows().size(); ++row) {
@@ -86,7 +86,7 @@ TEST(Statue, DecodesWhatWasEncodedAndCachesWithinItsLimit) {
 }
 
 TEST(Statue, NamesTheNodeWhoseCountsAreWrong) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   auto statue = fixture.open();
   FixtureNode& node = node_at(fixture, 3);
   node.row = statue->rows()[3];
@@ -98,7 +98,7 @@ TEST(Statue, NamesTheNodeWhoseCountsAreWrong) {
 }
 
 TEST(Statue, RefusesPlacesOutsideTheMask) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   auto statue = fixture.open();
   FixtureNode& node = node_at(fixture, 0);
   node.row = statue->rows()[0];
@@ -110,7 +110,7 @@ TEST(Statue, RefusesPlacesOutsideTheMask) {
 }
 
 TEST(Statue, RefusesMasksOutsideTheRootCube) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   auto statue = fixture.open();
   const access::RowIndex row = 1;  // level 1: a face of the root cube, with two of four places inside
   ASSERT_EQ(statue->rows()[row].level, 1U);
@@ -126,7 +126,7 @@ TEST(Statue, RefusesMasksOutsideTheRootCube) {
 }
 
 TEST(Statue, RefusesOtherPositionBitsAndAttributes) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   node_at(fixture, 2).mesh.position_bits = 13;
   // The decoded weights then no longer sum up: they have to be made to.
   for (auto& part : node_at(fixture, 2).mesh.parts)
@@ -140,7 +140,7 @@ TEST(Statue, RefusesOtherPositionBitsAndAttributes) {
 }
 
 TEST(Statue, RefusesACentreOfAnotherLevel) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   auto moved = fixture.nodes.extract(std::prev(fixture.nodes.end()));
   moved.key().first += 1;
   fixture.nodes.insert(std::move(moved));
@@ -154,8 +154,8 @@ TEST(Statue, IsTotalOnNonsense) {
   const unsigned seed = 20261124;
   std::cout << "seed " << seed << "\n";
   std::mt19937 random(seed);
-  const StatueFixture sound(torus(30, 16), 100);
-  StatueFixture fixture(sphere(0), 1000);
+  const DiamondsFixture sound(torus(30, 16), 100);
+  DiamondsFixture fixture(sphere(0), 1000);
   fixture.metadata = sound.metadata;
   int refused = 0;
   for (int round = 0; round < 60; ++round) {

@@ -284,7 +284,7 @@ TEST(BlocksVerify, FindsDamageOnceAndBlamesNobodyElse) {
       file.seekp(place);
       file.put(static_cast<char>(value ^ 4));
     }
-    const measure::VerifyReport report = verify(reader::blocks::CubeStatue(fixture.path()));
+    const measure::VerifyReport report = verify(reader::blocks::Statue(fixture.path()));
     EXPECT_EQ(report.count(measure::FindingKind::kDamage), 1U) << to_text(report);
     EXPECT_NE(report.findings[0].message.find(statue->name(row)), std::string::npos) << to_text(report);
     // A hole, of course.
@@ -312,7 +312,7 @@ TEST(BlocksVerify, MeasuresTheErrorsAgainstTheInput) {
 }
 
 // Where one small triangle is counted, among 20 in the interior; the lattice has 13 bits, blocks are 4 cubes.
-std::optional<CleftCounts::Zone> zone_at(const reader::blocks::CubeStatue& statue, int level, std::int32_t x,
+std::optional<CleftCounts::Zone> zone_at(const reader::blocks::Statue& statue, int level, std::int32_t x,
                                          std::int32_t y, std::int32_t z, bool has_shifted_blocks = true) {
   codec::coded::CodedNode mesh = codec::coded::lattice_node();
   set_lattice_positions(mesh, std::array<geometry::Point, 6>{{{x - 1, y - 1, z},

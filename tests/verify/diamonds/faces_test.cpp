@@ -26,7 +26,7 @@ std::vector<FaceEntry> face_entries(const reader::diamonds::Statue& statue) {
 }
 
 TEST(Faces, AFaceThatTheSurfaceCrossesNeedsBothSides) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   const auto statue = fixture.open();
   std::vector<FaceEntry> entries = face_entries(*statue);
   EXPECT_EQ(check_faces(*statue, entries, 5).mismatches, 0U);
@@ -42,7 +42,7 @@ TEST(Faces, AFaceThatTheSurfaceCrossesNeedsBothSides) {
 }
 
 TEST(Faces, ChainsAlongAnEdgeMustAddUpToNothing) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   const auto statue = fixture.open();
   const auto leaf = static_cast<reader::access::RowIndex>(statue->rows().size() - 1);
   ASSERT_TRUE(statue->is_leaf(leaf));

@@ -15,7 +15,7 @@ namespace {
 
 using codec::coded::CodedPart;
 
-measure::VerifyReport verified(StatueFixture& fixture, const measure::VerifyOptions& options = {}) {
+measure::VerifyReport verified(DiamondsFixture& fixture, const measure::VerifyOptions& options = {}) {
   return verify(*fixture.open(), options);
 }
 
@@ -28,7 +28,7 @@ struct FaceVertex {
 };
 
 // On a border edge within that face: its two ends have the mark in common, and one triangle has the edge.
-FaceVertex some_face_vertex(StatueFixture& fixture, bool wants_leaf) {
+FaceVertex some_face_vertex(DiamondsFixture& fixture, bool wants_leaf) {
   for (auto& [key, node] : fixture.nodes) {
     if (((node.row.flags & container::kNodeIsLeaf) != 0) != wants_leaf || key.first < 2) continue;
     for (CodedPart& part : node.mesh.parts)
@@ -64,7 +64,7 @@ void move_within_face(const FaceVertex& at, std::uint32_t amount) {
 TEST(Verify, FindsNothingInSoundContainers) {
   for (const int bits : {8, 12, 16}) {
     SCOPED_TRACE(bits);
-    StatueFixture fixture(torus(40, 24), 100, bits);
+    DiamondsFixture fixture(torus(40, 24), 100, bits);
     const measure::VerifyReport report = verified(fixture);
     // Eight bits on the root's 2^22 steps pinch thin places together: legal, but counted.
     if (bits > 8) {
@@ -79,7 +79,7 @@ TEST(Verify, FindsNothingInSoundContainers) {
 }
 
 TEST(Verify, CountsTheSameEdgesAsTheExtractedCuts) {
-  StatueFixture fixture(torus(40, 24), 100, 8);
+  DiamondsFixture fixture(torus(40, 24), 100, 8);
   // Some holes, so that there is something to count.
   int nth = 0;
   for (auto& [key, node] : fixture.nodes)
@@ -103,7 +103,7 @@ TEST(Verify, CountsTheSameEdgesAsTheExtractedCuts) {
 
 // The report is the same for one thread and many: it is run twice and compared as text.
 TEST(Verify, ReportsAreRepeatable) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   move_within_face(some_face_vertex(fixture, true), 1);
   const auto statue = fixture.open();
   EXPECT_EQ(measure::to_text(verify(*statue)), measure::to_text(verify(*statue)));
@@ -111,7 +111,7 @@ TEST(Verify, ReportsAreRepeatable) {
 
 TEST(Verify, FindsAFaceVertexRoundedOtherwise) {
   for (const bool wants_leaf : {true, false}) {
-    StatueFixture fixture(torus(40, 24), 100);
+    DiamondsFixture fixture(torus(40, 24), 100);
     move_within_face(some_face_vertex(fixture, wants_leaf), 1);
     const measure::VerifyReport report = verified(fixture);
     EXPECT_GE(report.count(measure::FindingKind::kFace), 1U) << to_text(report);
@@ -122,14 +122,14 @@ TEST(Verify, FindsAFaceVertexRoundedOtherwise) {
 }
 
 TEST(Verify, FindsAMovedFaceVertex) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   move_within_face(some_face_vertex(fixture, true), 300);
   EXPECT_GE(verified(fixture).count(measure::FindingKind::kFace), 1U);
 }
 
 TEST(Verify, FindsADroppedTriangleAtAFaceAndInside) {
   for (const bool at_face : {true, false}) {
-    StatueFixture fixture(torus(40, 24), 100);
+    DiamondsFixture fixture(torus(40, 24), 100);
     bool is_dropped = false;
     for (auto& [key, node] : fixture.nodes)
       for (auto& part : node.mesh.parts)
@@ -159,7 +159,7 @@ TEST(Verify, FindsADroppedTriangleAtAFaceAndInside) {
 }
 
 TEST(Verify, ComparesWithTheFinestCutWhereTheInputWasNotCounted) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   fixture.metadata.counts.clear();
   auto& part = fixture.nodes.begin()->second.mesh.parts.front();
   part.triangles.pop_back();
@@ -168,7 +168,7 @@ TEST(Verify, ComparesWithTheFinestCutWhereTheInputWasNotCounted) {
 }
 
 TEST(Verify, FindsEveryFlippedBitOfAChunk) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   const auto statue = fixture.open();
   const container::NodeRow row = statue->rows()[1];
   for (const std::uint64_t byte : {std::uint64_t{0}, row.stored_bytes / 2, row.stored_bytes - 1}) {
@@ -192,7 +192,7 @@ TEST(Verify, FindsEveryFlippedBitOfAChunk) {
 }
 
 TEST(Verify, FindsAParentErrorSmallerThanAChilds) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   fixture.nodes.begin()->second.row.error /= 1e6;
   const measure::VerifyReport report = verified(fixture);
   EXPECT_GE(report.count(measure::FindingKind::kErrorGrowth), 1U);
@@ -200,7 +200,7 @@ TEST(Verify, FindsAParentErrorSmallerThanAChilds) {
 }
 
 TEST(Verify, FindsWrongCounts) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   const auto rows = fixture.open()->rows();
   auto& node = std::next(fixture.nodes.begin(), 2)->second;
   node.row = rows[2];
@@ -210,7 +210,7 @@ TEST(Verify, FindsWrongCounts) {
 }
 
 TEST(Verify, FindsPositionsOutsideTheBounds) {
-  StatueFixture fixture(sphere(3), 100);
+  DiamondsFixture fixture(sphere(3), 100);
   const auto rows = fixture.open()->rows();
   auto& node = std::next(fixture.nodes.begin(), 2)->second;
   node.row = rows[2];
@@ -222,9 +222,9 @@ TEST(Verify, FindsPositionsOutsideTheBounds) {
 }
 
 TEST(Verify, FindsEveryMissingRow) {
-  StatueFixture whole(sphere(3), 100);
+  DiamondsFixture whole(sphere(3), 100);
   for (std::size_t missing = 1; missing < whole.nodes.size(); missing += 3) {
-    StatueFixture fixture(sphere(3), 100);
+    DiamondsFixture fixture(sphere(3), 100);
     const auto node = std::next(fixture.nodes.begin(), static_cast<std::ptrdiff_t>(missing));
     const bool is_leaf = (node->second.row.flags & container::kNodeIsLeaf) != 0;
     fixture.nodes.erase(node);
@@ -237,14 +237,14 @@ TEST(Verify, FindsEveryMissingRow) {
 }
 
 TEST(Verify, FindsWrongLeafFlags) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   for (auto& [key, node] : fixture.nodes)
     if (key.first == 2) {
       node.row.flags = container::kNodeIsLeaf;
       break;
     }
   EXPECT_GE(verified(fixture).count(measure::FindingKind::kStructure), 1U);
-  StatueFixture other(torus(40, 24), 100);
+  DiamondsFixture other(torus(40, 24), 100);
   other.nodes.rbegin()->second.row.flags = 0;
   EXPECT_GE(verified(other).count(measure::FindingKind::kStructure), 1U);
 }
@@ -284,7 +284,7 @@ WorldMesh pyramid_through_a_line() {
 TEST(Verify, KnowsSurfacesAlongEdgesOfTheHierarchy) {
   // The world's origin in the middle of the root cube.
   const geometry::Lattice lattice{{-67108864.125, -67108864.25, -67108864.5}, 0.125};
-  StatueFixture fixture(pyramid_through_a_line(), 60, 12, lattice);
+  DiamondsFixture fixture(pyramid_through_a_line(), 60, 12, lattice);
   const auto statue = fixture.open();
   const measure::VerifyReport report = verify(*statue);
   // Vertices a few lattice units from the line may be pinched together with it by quantisation; nothing else.
@@ -313,7 +313,7 @@ TEST(Verify, KnowsSurfacesAlongEdgesOfTheHierarchy) {
 // Nothing can be said around an edge of a tetrahedron that cannot be read.
 TEST(Verify, DoesNotBlameEdgesOfTheHierarchyForDamage) {
   const geometry::Lattice lattice{{-67108864.125, -67108864.25, -67108864.5}, 0.125};
-  StatueFixture fixture(pyramid_through_a_line(), 60, 12, lattice);
+  DiamondsFixture fixture(pyramid_through_a_line(), 60, 12, lattice);
   const auto statue = fixture.open();
   const std::uint64_t pinched = verify(*statue).count(measure::FindingKind::kNonManifold);
   for (reader::access::RowIndex row = 0; row < statue->rows().size(); ++row) {
@@ -339,26 +339,26 @@ TEST(Verify, MeasuresTheErrorsAgainstTheInput) {
   measure::VerifyOptions options;
   options.against = &against;
   options.samples_per_node = 500;
-  StatueFixture fixture(input, 100);
+  DiamondsFixture fixture(input, 100);
   const measure::VerifyReport report = verified(fixture, options);
   EXPECT_EQ(report.count(measure::FindingKind::kDistance), 0U) << to_text(report);
   EXPECT_GT(report.samples, 400U * fixture.nodes.size() / 2);
   EXPECT_GT(report.greatest_ratio, 0.05);
   EXPECT_LE(report.greatest_ratio, 1.0);
 
-  StatueFixture loose(input, 100);
+  DiamondsFixture loose(input, 100);
   for (auto& [key, node] : loose.nodes) node.row.error *= 1000.0;
   const measure::VerifyReport loose_report = verified(loose, options);
   EXPECT_EQ(loose_report.count(measure::FindingKind::kLooseError), 1U) << to_text(loose_report);
   EXPECT_EQ(loose_report.count(measure::FindingKind::kDistance), 0U);
 
-  StatueFixture tight(input, 100);
+  DiamondsFixture tight(input, 100);
   for (auto& [key, node] : tight.nodes) node.row.error *= 0.02;
   EXPECT_GT(verified(tight, options).count(measure::FindingKind::kDistance), tight.nodes.size() / 3);
 }
 
 TEST(Verify, BoundsTheExamplesButCountsAll) {
-  StatueFixture fixture(torus(40, 24), 100);
+  DiamondsFixture fixture(torus(40, 24), 100);
   for (auto& [key, node] : fixture.nodes) node.row.error = key.first;
   measure::VerifyOptions options;
   options.examples_per_kind = 2;

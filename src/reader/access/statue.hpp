@@ -24,11 +24,11 @@ struct StatueOptions {
                             << 20;  // decoded nodes kept by node(), least recently used go first
 };
 
-class StatueFile {
+class Statue {
  public:
-  virtual ~StatueFile() = default;
-  StatueFile(const StatueFile&) = delete;
-  StatueFile& operator=(const StatueFile&) = delete;
+  virtual ~Statue() = default;
+  Statue(const Statue&) = delete;
+  Statue& operator=(const Statue&) = delete;
 
   const container::ContainerReader& container() const { return container_; }
   const container::Metadata& metadata() const { return container_.metadata(); }
@@ -55,7 +55,7 @@ class StatueFile {
  protected:
   // Throws Error(kBadData) when the container is of another scheme, or when a row's error or bounds are not
   // finite or rows are out of order.
-  StatueFile(container::ContainerReader container, std::string_view scheme);
+  Statue(container::ContainerReader container, std::string_view scheme);
   [[noreturn]] void fail_node(RowIndex row, const std::string& message) const;
 
  private:

@@ -1,4 +1,4 @@
-#include "reader/access/statue_file.hpp"
+#include "reader/access/statue.hpp"
 
 #include <cmath>
 #include <tuple>
@@ -10,7 +10,7 @@ namespace colossus::reader::access {
 using container::NodeRow;
 using core::Status;
 
-StatueFile::StatueFile(container::ContainerReader container, std::string_view scheme)
+Statue::Statue(container::ContainerReader container, std::string_view scheme)
     : container_(std::move(container)) {
   const std::string file = container_.path().string();
   if (metadata().scheme != scheme)
@@ -22,7 +22,7 @@ StatueFile::StatueFile(container::ContainerReader container, std::string_view sc
   for (RowIndex row = 0; row < rows().size(); ++row) check_row(row);
 }
 
-void StatueFile::check_row(RowIndex index) const {
+void Statue::check_row(RowIndex index) const {
   const NodeRow& row = rows()[index];
   if (!std::isfinite(row.error) || row.error < 0) fail_node(index, fmt::format("its error is {}", row.error));
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -37,13 +37,13 @@ void StatueFile::check_row(RowIndex index) const {
   }
 }
 
-std::optional<std::uint64_t> StatueFile::count_of(std::string_view name) const {
+std::optional<std::uint64_t> Statue::count_of(std::string_view name) const {
   for (const container::NamedCount& count : metadata().counts)
     if (count.name == name) return count.value;
   return std::nullopt;
 }
 
-std::optional<double> StatueFile::measure_of(std::string_view name) const {
+std::optional<double> Statue::measure_of(std::string_view name) const {
   for (const container::NamedReal& measure : metadata().measures)
     if (measure.name == name) return measure.value;
   return std::nullopt;
@@ -53,7 +53,7 @@ std::string name_of(const NodeRow& row) {
   return fmt::format("level {}, centre {}, {}, {}", row.level, row.center[0], row.center[1], row.center[2]);
 }
 
-void StatueFile::fail_node(RowIndex row, const std::string& message) const {
+void Statue::fail_node(RowIndex row, const std::string& message) const {
   core::fail(Status::kBadData, "{}: node at {}: {}", container_.path().string(), name(row), message);
 }
 
