@@ -21,7 +21,7 @@ struct Vertex {
   Point position;
   Normal16 normal{0, 0, 32767};
   // Of the position as it was read, which the lattice may have moved onto another one; 0 once that does not
-  // matter any more. See build/fingerprint.hpp.
+  // matter any more. See pipeline/facts/fingerprint.hpp.
   std::uint16_t fingerprint = 0;
   Color color{255, 255, 255, 255};
   friend bool operator==(const Vertex&, const Vertex&) = default;

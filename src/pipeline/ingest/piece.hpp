@@ -10,8 +10,8 @@
 namespace colossus::pipeline::ingest {
 
 // Vertices as they lie in scratch: without the attributes that no file of the input has. 12 to 22 bytes each,
-// the fingerprint within the 12 of the position (build/fingerprint.hpp). As everywhere before the attributes
-// phase, the normal is {0, 0, 0} where none was read.
+// the fingerprint within the 12 of the position (pipeline/facts/fingerprint.hpp). As everywhere before the
+// attributes phase, the normal is {0, 0, 0} where none was read.
 class PackedVertices {
  public:
   PackedVertices(const facts::Catalog& catalog, std::size_t count);

@@ -16,10 +16,6 @@ struct WeldedTetrahedron {
   std::vector<std::uint8_t> zero_weights;  // per position, bit i: the weight of corner i is 0
   std::vector<std::uint32_t> sources;      // per position: its first vertex
   std::vector<mesh::Triangle> triangles;   // of positions; none with two equal ones
-
-  std::uint8_t common_zeros(std::uint32_t a, std::uint32_t b) const {
-    return static_cast<std::uint8_t>(zero_weights[a] & zero_weights[b]);
-  }
 };
 
 // n log n.
