@@ -9,7 +9,7 @@
 #include "geometry/octahedral.hpp"
 #include "geometry/vector.hpp"
 #include "pipeline/blocks/scheme.hpp"
-#include "pipeline/nodes/store_node.hpp"
+#include "pipeline/nodes/node_builder.hpp"
 #include "simplify/collapse.hpp"
 #include "simplify/deviation.hpp"
 
@@ -222,57 +222,41 @@ class Block {
   facts::FinishedNode encode_cube(const BlockCube& cube, const mesh::Mesh& mesh,
                                   std::span<const std::uint32_t> parents) {
     const Grid& grid = settings_.grid;
+    const auto level = static_cast<std::uint32_t>(cube.record.id.level);
+    const Point center = cube.record.id.center(grid.root_bits());
+    nodes::NodeBuilder builder({settings_.lattice.origin, settings_.lattice.step * grid.spacing()}, level,
+                               center, {center.x, center.y, center.z});
     codec::coded::CodedNode stored = codec::coded::lattice_node();
     codec::coded::CodedPart& part = stored.parts[0];
     stored.has_normals = true;
     stored.has_colors = settings_.has_colors;
-    stored.has_parents = cube.record.id.level > 0;
+    stored.has_parents = level > 0;
     part.triangles = mesh.triangles;
     const std::vector<std::uint32_t> order =
         order_cube(part.triangles, mesh.vertices.size(), *settings_.codec);
-    if (stored.has_parents)
-      for (const auto v : order) part.parents.push_back(parents[v]);
     std::vector<Point> positions;
     positions.reserve(order.size());
-    Point low = cube.record.id.center(grid.root_bits()), high = low;
-    bool is_first = true;
     for (const auto i : order) {
       const mesh::Vertex& v = mesh.vertices[i];
       Point p;
-      for (int axis = 0; axis < 3; ++axis) {
-        p[axis] = v.position[axis] / grid.spacing();
-        low[axis] = is_first ? p[axis] : std::min(low[axis], p[axis]);
-        high[axis] = is_first ? p[axis] : std::max(high[axis], p[axis]);
-      }
-      is_first = false;
+      for (int axis = 0; axis < 3; ++axis) p[axis] = v.position[axis] / grid.spacing();
+      builder.add_position({p.x, p.y, p.z});
       positions.push_back(p);
       part.normals.push_back(geometry::encode_octahedral(v.normal));
       if (settings_.has_colors) part.colors.push_back(v.color);
+      if (stored.has_parents) part.parents.push_back(parents[i]);
     }
     set_lattice_positions(stored, positions);
-    facts::FinishedNode node;
-    container::NodeRow& row = node.row;
-    row.level = static_cast<std::uint32_t>(cube.record.id.level);
-    const Point center = cube.record.id.center(grid.root_bits());
-    row.center = {center.x, center.y, center.z};
-    row.tetra_mask = 1;
-    row.flags = cube.record.id.level == grid.levels ? container::kNodeIsLeaf : 0;
-    row.vertices = static_cast<std::uint32_t>(mesh.vertices.size());
-    row.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-    row.error = cube.error;
-    const double step = settings_.lattice.step * grid.spacing();
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto k = static_cast<std::size_t>(axis);
-      row.bounds[k] = settings_.lattice.origin[k] + step * low[axis];
-      row.bounds[k + 3] = settings_.lattice.origin[k] + step * high[axis];
+    builder.count_angles(mesh);
+    facts::FinishedNode& node = builder.node();
+    if (cube.record.id.level == grid.levels) {
+      node.row.flags = container::kNodeIsLeaf;
+      node.area = area_of(positions, part.triangles);
     }
-    const codec::Codec& codec = *settings_.codec;
-    nodes::store_node(workspace_, codec, codec::encode(stored, codec), node);
-    node.statistics.angles = simplify::count_small_angles(mesh);
+    node.row.error = cube.error;
     node.statistics.inconsistent_edges = cube.record.inconsistent_edges;
-    if (cube.record.id.level == grid.levels) node.area = area_of(positions, part.triangles);
     node.displacement = settings_.input_error(cube.record.displacement);
-    return node;
+    return builder.store(workspace_, stored, *settings_.codec);
   }
 
   const run::Workspace& workspace_;

@@ -8,7 +8,7 @@
 #include "pipeline/diamonds/diamond_region.hpp"
 #include "pipeline/diamonds/part_census.hpp"
 #include "pipeline/facts/catalog.hpp"
-#include "pipeline/nodes/store_node.hpp"
+#include "pipeline/nodes/node_builder.hpp"
 #include "simplify/collapse.hpp"
 #include "simplify/deviation.hpp"
 
@@ -65,39 +65,31 @@ std::vector<PlacedMesh> simplify_node(const NodeSettings& settings, const Diamon
   return std::move(parts);
 }
 
-// World bounds of what a reader decodes, in the reader's own arithmetic.
-class StoredBounds {
- public:
-  void add(const codec::coded::CodedPart& part, const hierarchy::Tetrahedron& tetrahedron) {
-    for (const codec::coded::Weights& w : part.positions) {
-      const codec::coded::ScaledPosition p = codec::coded::scaled_position(w, tetrahedron);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        low_[axis] = std::min(low_[axis], p[axis]);
-        high_[axis] = std::max(high_[axis], p[axis]);
-      }
-    }
+// The scheme's part of a node: each tetrahedron's mesh quantised, and what that did.
+void add_part(nodes::NodeBuilder& builder, const NodeSettings& settings, const NodeTask& task,
+              const PlacedMesh& part, const hierarchy::Tetrahedron& tetrahedron,
+              codec::coded::CodedNode& mesh) {
+  codec::quantization::Quantized stored = codec::quantization::quantize(
+      part.content.mesh, tetrahedron, static_cast<std::uint8_t>(part.place), settings.quantize);
+  builder.count_angles(part.content.mesh);
+  facts::FinishedNode& node = builder.node();
+  const PartCensus census = take_census(stored, task.is_leaf);
+  node.statistics.inconsistent_edges += census.inconsistent_edges;
+  if (task.is_leaf) {
+    node.statistics.finest_border_edges += census.border_edges;
+    node.statistics.finest_nonmanifold_edges += census.nonmanifold_edges;
+    node.area += area_of(stored.tetrahedron, tetrahedron, mesh.position_bits);
+    if (part.content.mesh.triangles.size() > settings.leaf_triangles)
+      node.row.flags = static_cast<std::uint8_t>(node.row.flags | container::kNodeIsAboveLimit);
+  } else {
+    node.statistics.reached_triangles += part.content.mesh.triangles.size();
   }
-  void add(const hierarchy::Point& p, int position_bits) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto k = static_cast<std::size_t>(axis);
-      low_[k] = std::min(low_[k], std::int64_t{p[axis]} << position_bits);
-      high_[k] = std::max(high_[k], std::int64_t{p[axis]} << position_bits);
-    }
-  }
-  std::array<double, 6> world(const geometry::Lattice& lattice, int position_bits) const {
-    const double step = lattice.step / static_cast<double>(std::int64_t{1} << position_bits);
-    std::array<double, 6> bounds{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      bounds[axis] = lattice.origin[axis] + step * static_cast<double>(low_[axis]);
-      bounds[axis + 3] = lattice.origin[axis] + step * static_cast<double>(high_[axis]);
-    }
-    return bounds;
-  }
-
- private:
-  codec::coded::ScaledPosition low_{INT64_MAX, INT64_MAX, INT64_MAX};
-  codec::coded::ScaledPosition high_{INT64_MIN, INT64_MIN, INT64_MIN};
-};
+  node.displacement = std::max(node.displacement, stored.displacement * settings.lattice.step);
+  for (const codec::coded::Weights& weights : stored.tetrahedron.positions)
+    builder.add_position(codec::coded::scaled_position(weights, tetrahedron));
+  codec::put_in_order(stored.tetrahedron, *settings.codec);
+  mesh.parts.push_back(std::move(stored.tetrahedron));
+}
 
 }  // namespace
 
@@ -141,55 +133,30 @@ std::uint64_t node_bytes(std::uint64_t triangles) { return 250 * triangles; }
 
 NodeResult build_node(const run::Workspace& workspace, const NodeSettings& settings, const NodeTask& task) {
   const Diamond diamond = Diamond::at(task.center);
-  NodeResult result;
+  const int bits = settings.quantize.position_bits;
+  const nodes::StoredLattice stored{settings.lattice.origin,
+                                    settings.lattice.step / static_cast<double>(std::int64_t{1} << bits)};
+  const codec::coded::ScaledPosition center{std::int64_t{task.center.x} << bits,
+                                            std::int64_t{task.center.y} << bits,
+                                            std::int64_t{task.center.z} << bits};
+  nodes::NodeBuilder builder(stored, static_cast<std::uint32_t>(diamond.level), task.center, center);
+  builder.row().flags = task.is_leaf ? container::kNodeIsLeaf : 0;
   std::vector<PlacedMesh> parts = load_parts(workspace, task);
   double deviation = 0.0;
   if (!task.is_leaf)
-    parts = simplify_node(settings, diamond, task.least_error, std::move(parts), result.node.statistics,
+    parts = simplify_node(settings, diamond, task.least_error, std::move(parts), builder.node().statistics,
                           deviation);
-
-  container::NodeRow& row = result.node.row;
-  row.level = static_cast<std::uint32_t>(diamond.level);
-  row.center = {task.center.x, task.center.y, task.center.z};
-  row.flags = task.is_leaf ? container::kNodeIsLeaf : 0;
   codec::coded::CodedNode mesh;
-  mesh.position_bits = settings.quantize.position_bits;
+  mesh.position_bits = bits;
   mesh.has_normals = settings.quantize.normals;
   mesh.has_colors = settings.quantize.colors;
-  StoredBounds bounds;
-  for (const PlacedMesh& part : parts) {
-    const hierarchy::Tetrahedron& tetrahedron = diamond.tetrahedra[part.place];
-    codec::quantization::Quantized stored = codec::quantization::quantize(
-        part.content.mesh, tetrahedron, static_cast<std::uint8_t>(part.place), settings.quantize);
-    const simplify::AngleCounts angles = simplify::count_small_angles(part.content.mesh);
-    result.node.statistics.angles.below_5_degrees += angles.below_5_degrees;
-    result.node.statistics.angles.below_15_degrees += angles.below_15_degrees;
-    result.node.statistics.angles.below_30_degrees += angles.below_30_degrees;
-    if (!task.is_leaf) result.node.statistics.reached_triangles += part.content.mesh.triangles.size();
-    const PartCensus census = take_census(stored, task.is_leaf);
-    result.node.statistics.inconsistent_edges += census.inconsistent_edges;
-    if (task.is_leaf) {
-      result.node.statistics.finest_border_edges += census.border_edges;
-      result.node.statistics.finest_nonmanifold_edges += census.nonmanifold_edges;
-      result.node.area += area_of(stored.tetrahedron, tetrahedron, mesh.position_bits);
-    }
-    const double displacement = stored.displacement * settings.lattice.step;
-    result.node.displacement = std::max(result.node.displacement, displacement);
-    if (task.is_leaf && part.content.mesh.triangles.size() > settings.leaf_triangles)
-      row.flags = static_cast<std::uint8_t>(row.flags | container::kNodeIsAboveLimit);
-    row.tetra_mask = static_cast<std::uint8_t>(row.tetra_mask | 1U << part.place);
-    row.vertices += static_cast<std::uint32_t>(stored.tetrahedron.positions.size());
-    row.triangles += static_cast<std::uint32_t>(stored.tetrahedron.triangles.size());
-    bounds.add(stored.tetrahedron, tetrahedron);
-    codec::put_in_order(stored.tetrahedron, *settings.codec);
-    mesh.parts.push_back(std::move(stored.tetrahedron));
-  }
-  row.error = std::max(deviation * settings.lattice.step + result.node.displacement + settings.input_error,
-                       task.least_error);
-  if (row.triangles == 0) bounds.add(task.center, mesh.position_bits);
-  row.bounds = bounds.world(settings.lattice, mesh.position_bits);
-  const codec::Codec& codec = *settings.codec;
-  nodes::store_node(workspace, codec, codec::encode(mesh, codec), result.node);
+  for (const PlacedMesh& part : parts)
+    add_part(builder, settings, task, part, diamond.tetrahedra[part.place], mesh);
+  builder.row().error =
+      std::max(deviation * settings.lattice.step + builder.node().displacement + settings.input_error,
+               task.least_error);
+  NodeResult result;
+  result.node = builder.store(workspace, mesh, *settings.codec);
   if (!task.is_leaf)
     for (const PlacedMesh& part : parts)
       result.tetrahedra.push_back(store_tetrahedron(workspace, {task.center, part.place}, part.content));

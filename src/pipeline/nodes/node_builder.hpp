@@ -1,0 +1,54 @@
+// Makes a node's row and chunk of its coded mesh: what no scheme does in a way of its own.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "codec/payload.hpp"
+#include "container/schema.hpp"
+#include "geometry/point.hpp"
+#include "mesh/mesh.hpp"
+#include "pipeline/facts/finished_nodes.hpp"
+#include "pipeline/run/workspace.hpp"
+
+namespace colossus::pipeline::nodes {
+
+// Integers to world positions as readers take them, so that bounds are what a reader computes, to the bit.
+struct StoredLattice {
+  std::array<double, 3> origin{};
+  double step = 0.0;
+};
+
+class NodeBuilder {
+ public:
+  // `center` is the node's in the node table. A node at which no vertex is added has its bounds there:
+  // `empty_at` is the same place on the stored lattice.
+  NodeBuilder(const StoredLattice& lattice, std::uint32_t level, const geometry::Point& center,
+              const std::array<std::int64_t, 3>& empty_at);
+
+  // What only the scheme knows: the row's error and flags, statistics, area, displacement.
+  facts::FinishedNode& node() { return node_; }
+  container::NodeRow& row() { return node_.row; }
+
+  // A vertex, where it will be stored.
+  void add_position(const std::array<std::int64_t, 3>& position);
+  // The angles of a mesh that goes into the node, before it is quantised.
+  void count_angles(const mesh::Mesh& mesh);
+
+  // Completes the row with the mesh's counts and places, and with bounds; encodes and packs the mesh, and
+  // appends the chunk to scratch. The mesh is as codec::encode() wants it. Not collective.
+  facts::FinishedNode store(const run::Workspace& workspace, const codec::coded::CodedNode& mesh,
+                            const codec::Codec& codec);
+
+ private:
+  void set_bounds();
+  void store_chunk(const run::Workspace& workspace, const codec::Payload& payload, const codec::Codec& codec);
+
+  StoredLattice lattice_;
+  facts::FinishedNode node_;
+  std::array<std::int64_t, 3> empty_at_;
+  std::array<std::int64_t, 3> low_;
+  std::array<std::int64_t, 3> high_;
+};
+
+}  // namespace colossus::pipeline::nodes
