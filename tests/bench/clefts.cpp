@@ -20,7 +20,7 @@ namespace {
 using namespace colossus;
 
 void print_level(const reader::blocks::Statue& statue, std::uint32_t level, bool has_shifted_blocks) {
-  const reader::blocks::RowRange rows = statue.rows_of_level(level);
+  const reader::access::RowRange rows = statue.rows_of_level(level);
   verify::blocks::EdgeLengths lengths;
   for (reader::access::RowIndex row = rows.first; row < rows.last; ++row) {
     const verify::blocks::EdgeLengths own = verify::blocks::edge_lengths(statue.load(row));

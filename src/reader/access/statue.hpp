@@ -7,7 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "codec/coded/coded_node.hpp"
+#include "codec/payload.hpp"
 #include "container/reader.hpp"
+#include "geometry/point.hpp"
 #include "reader/access/extraction.hpp"
 
 namespace colossus::reader::access {
@@ -15,6 +18,13 @@ namespace colossus::reader::access {
 // Index into rows(); kNoRow where there is none.
 using RowIndex = std::uint32_t;
 inline constexpr RowIndex kNoRow = ~RowIndex{0};
+
+// Rows of one level are consecutive: first <= row < last.
+struct RowRange {
+  RowIndex first = 0;
+  RowIndex last = 0;
+  std::size_t size() const { return last - first; }
+};
 
 // "level 5, centre 1, 2, 3", for messages.
 std::string name_of(const container::NodeRow& row);
@@ -40,6 +50,10 @@ class Statue {
   // Likewise of the measure of that name.
   std::optional<double> measure_of(std::string_view name) const;
 
+  // The row of this level and centre; kNoRow when there is none. log n.
+  RowIndex find_row(std::uint32_t level, const geometry::Point& center) const;
+  RowRange rows_of_level(std::uint32_t level) const;
+
   // The largest distance, in world units, between a vertex of the input and its place on the lattice.
   virtual double lattice_error() const = 0;
   // Cuts and assembles, as the scheme's own functions do, which say more; throws like them.
@@ -57,6 +71,16 @@ class Statue {
   // finite or rows are out of order.
   Statue(container::ContainerReader container, std::string_view scheme);
   [[noreturn]] void fail_node(RowIndex row, const std::string& message) const;
+  // The value of the metadata's parameter of that name. Throws Error(kBadData) when there is none.
+  double parameter(std::string_view name) const;
+
+  // codec::decode_with_weights() or codec::decode_on_lattice().
+  using Decode = core::Result<codec::coded::CodedNode> (*)(std::span<const std::byte> payload,
+                                                           const codec::NodeCounts& most);
+  // Reads, decodes and checks a node as far as no scheme differs: its attributes are the container's, its
+  // counts the row's. Throws Error(kBadData) that names file, level and centre when its bytes are damaged or
+  // are not what row and metadata say, Error(kIo) when the device fails. Keeps nothing. Thread-safe.
+  codec::coded::CodedNode decode_node(RowIndex row, Decode decode) const;
 
  private:
   void check_row(RowIndex row) const;

@@ -15,7 +15,7 @@ constexpr int kEyeBits = 20;
 constexpr double kExactReach = 4294967296.0;
 
 Cut level_cut(const Statue& statue, std::uint32_t level) {
-  const RowRange range = statue.rows_of_level(level);
+  const access::RowRange range = statue.rows_of_level(level);
   Cut cut;
   cut.rows.resize(range.size());
   std::iota(cut.rows.begin(), cut.rows.end(), range.first);
@@ -76,7 +76,7 @@ Cut cut_with_error(const Statue& statue, double error) {
   double greatest = 0.0;
   for (std::uint32_t level = 0; level <= statue.deepest_level(); ++level) {
     greatest = 0.0;
-    const RowRange range = statue.rows_of_level(level);
+    const access::RowRange range = statue.rows_of_level(level);
     for (access::RowIndex row = range.first; row < range.last; ++row)
       greatest = std::max(greatest, statue.rows()[row].error);
     if (range.size() > 0 && greatest <= error) return level_cut(statue, level);
@@ -90,7 +90,7 @@ Cut cut_with_triangles(const Statue& statue, std::uint64_t triangles) {
   std::uint64_t coarsest = 0;
   for (std::uint32_t level = statue.deepest_level() + 1; level-- > 0;) {
     coarsest = 0;
-    const RowRange range = statue.rows_of_level(level);
+    const access::RowRange range = statue.rows_of_level(level);
     for (access::RowIndex row = range.first; row < range.last; ++row)
       coarsest += statue.rows()[row].triangles;
     if (range.size() > 0 && coarsest <= triangles) return level_cut(statue, level);

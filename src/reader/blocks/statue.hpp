@@ -18,13 +18,6 @@
 
 namespace colossus::reader::blocks {
 
-// Rows of one level are consecutive: first <= row < last.
-struct RowRange {
-  access::RowIndex first = 0;
-  access::RowIndex last = 0;
-  std::size_t size() const { return last - first; }
-};
-
 class Statue final : public access::Statue {
  public:
   // Throws Error(kBadData) when the container is damaged, lacks sigma0 or block_size or has impossible ones,
@@ -54,7 +47,6 @@ class Statue final : public access::Statue {
   access::RowIndex parent(access::RowIndex row) const;
   // By octant.
   std::array<access::RowIndex, 8> children(access::RowIndex row) const;
-  RowRange rows_of_level(std::uint32_t level) const;
 
   // Reads, checks and decodes a node. Throws Error(kBadData) that names file, level and centre when its bytes
   // are damaged or are not what the row and the metadata say (attributes, parents, counts, positions within

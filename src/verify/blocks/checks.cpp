@@ -284,7 +284,7 @@ class CubeChecker {
 std::int64_t greatest_overhang(const reader::blocks::Statue& statue, std::uint32_t level) {
   const container::LatticeInfo& lattice = statue.metadata().lattice;
   double greatest = 0.0;
-  const reader::blocks::RowRange range = statue.rows_of_level(level);
+  const reader::access::RowRange range = statue.rows_of_level(level);
   for (reader::access::RowIndex row = range.first; row < range.last; ++row) {
     const CubeId cube = statue.cube(row);
     const Point low = cube.corner(statue.root_bits());

@@ -31,18 +31,21 @@ class CubeVerifier {
     if (report_.nodes == 0) log_.add({measure::FindingKind::kStructure, "the container has no nodes"});
     check_layout(statue_, log_);
     for (std::uint32_t level = 0; report_.nodes > 0 && level <= statue_.deepest_level(); ++level)
-      if (const reader::blocks::RowRange range = statue_.rows_of_level(level); range.size() > 0)
+      if (const reader::access::RowRange range = statue_.rows_of_level(level); range.size() > 0)
         check_level(level, range);
     check_finest(statue_, finest_, log_);
     log_.check_census(statue_);
     log_.check_orientation(statue_);
-    if (input_) finish_distances();
+    if (input_)
+      count_loose(
+          statue_, sampled_, is_damaged_, [&](auto row) { return parents(row); },
+          [&](auto) { return statue_.lattice_error(); }, report_, log_);
     log_.sort();
     return std::move(report_);
   }
 
  private:
-  void check_level(std::uint32_t level, const reader::blocks::RowRange& range) {
+  void check_level(std::uint32_t level, const reader::access::RowRange& range) {
     log_.start_level(level);
     const LevelFacts facts{greatest_overhang(statue_, level), greatest_overhang(statue_, level + 1),
                            edge_lengths_.mean()};
@@ -61,11 +64,7 @@ class CubeVerifier {
     measure::LevelReport& report = report_.levels.back();
     report.nodes = range.size();
     const measure::LevelCounts counts = census_.finish_level();
-    report.triangles = counts.cut.triangles;
-    report.border_edges = counts.cut.border_edges;
-    report.nonmanifold_edges = counts.cut.nonmanifold_edges;
-    report.is_partial = counts.is_partial;
-    report.has_shared_places = counts.has_shared_places;
+    report_cut(counts, report);
     if (level == statue_.deepest_level()) {
       finest_.border_edges = counts.cut.border_edges;
       finest_.nonmanifold_edges = counts.cut.nonmanifold_edges;
@@ -96,39 +95,16 @@ class CubeVerifier {
     shared_.insert(shared_.end(), cube.shared.begin(), cube.shared.end());
   }
 
-  struct Measured {
-    std::uint64_t samples = 0;
-    double greatest = 0.0;
-    measure::WorldPoint farthest{};
-  };
-
-  // From a cube to the input.
-  Measured measure_cube(reader::access::RowIndex row, const measure::Surface& cube) const {
-    Measured measured;
-    const auto& center = statue_.rows()[row].center;
-    std::uint32_t near = 0;
-    for (const measure::WorldPoint& p :
-         sample_surface(cube, options_.samples_per_node,
-                        options_.seed ^ geometry::PointHash{}({center[0], center[1], center[2]}))) {
-      const auto found = world_distance(input_->scale(), input_->index(), p, near);
-      near = found.triangle;
-      ++measured.samples;
-      if (!(found.distance > measured.greatest)) continue;
-      measured.greatest = found.distance;
-      measured.farthest = input_->scale().world(p);
-    }
-    return measured;
-  }
-
   // Of consecutive rows; keeps their surfaces for the way from the input.
   void measure_cubes(reader::access::RowIndex first, const std::vector<CubeReport>& cubes) {
     std::vector<std::vector<measure::WorldPoint>> points(cubes.size());
-    std::vector<Measured> measured(cubes.size());
+    std::vector<measure::PartMeasure> measured(cubes.size());
     reader::access::parallel_for(cubes.size(), [&](std::size_t i) {
       for (const geometry::Point& p : cubes[i].mesh.positions)
         points[i].push_back(input_->scale().scaled(statue_.world(p)));
-      measured[i] = measure_cube(static_cast<reader::access::RowIndex>(first + i),
-                                 {points[i], cubes[i].mesh.part().triangles});
+      measured[i] =
+          measure_part(*input_, {points[i], cubes[i].mesh.part().triangles}, options_.samples_per_node,
+                       measure::seed_of(statue_.rows()[first + i], options_.seed));
     });
     for (std::size_t i = 0; i < cubes.size(); ++i) {
       const auto row = static_cast<reader::access::RowIndex>(first + i);
@@ -142,7 +118,7 @@ class CubeVerifier {
     }
   }
 
-  void measure_level(std::uint32_t level, const reader::blocks::RowRange& range) {
+  void measure_level(std::uint32_t level, const reader::access::RowRange& range) {
     surface_.finish();
     measure_from_input(
         statue_, *input_, surface_,
@@ -153,22 +129,9 @@ class CubeVerifier {
     surface_.start_next();
   }
 
-  // A node's error is at least that of the nodes below, so it is judged with their distances too; where one
-  // of these is damaged, nothing can be said.
-  void finish_distances() {
-    std::vector<bool> is_unknown = is_damaged_;
-    for (auto row = static_cast<reader::access::RowIndex>(sampled_.size()); row-- > 0;) {
-      if (const reader::access::RowIndex parent = statue_.parent(row); parent != reader::access::kNoRow) {
-        sampled_[parent] = std::max(sampled_[parent], sampled_[row]);
-        is_unknown[parent] = is_unknown[parent] || is_unknown[row];
-      }
-      const double error = statue_.rows()[row].error;
-      if (!(error > statue_.lattice_error()) || is_unknown[row]) continue;
-      ++report_.measured_nodes;
-      if (error > measure::kLooseFactor * std::max(sampled_[row], statue_.lattice_error()))
-        ++report_.loose_nodes;
-    }
-    log_.check_looseness();
+  std::vector<reader::access::RowIndex> parents(reader::access::RowIndex row) const {
+    const reader::access::RowIndex parent = statue_.parent(row);
+    return parent == reader::access::kNoRow ? std::vector<reader::access::RowIndex>() : std::vector{parent};
   }
 
   const reader::blocks::Statue& statue_;

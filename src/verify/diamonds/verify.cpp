@@ -110,24 +110,15 @@ void place_mesh(const reader::diamonds::Statue& statue, const measure::Scale& sc
 
 void measure_node(const reader::diamonds::Statue& statue, const measure::VerifyOptions& options,
                   reader::access::RowIndex row, const measure::Input& input, NodeReport& report) {
-  const auto& center = statue.rows()[row].center;
-  const std::uint64_t seed = options.seed ^ geometry::PointHash{}({center[0], center[1], center[2]});
-  const std::vector<measure::WorldPoint> samples =
-      measure::sample_surface({report.points, report.triangles}, options.samples_per_node, seed);
-  measure::WorldPoint farthest{};
-  std::uint32_t near = 0;
-  for (const measure::WorldPoint& p : samples) {
-    const auto found = world_distance(input.scale(), input.index(), p, near);
-    near = found.triangle;
-    if (found.distance > report.greatest_distance) {
-      report.greatest_distance = found.distance;
-      farthest = input.scale().world(p);
-    }
-  }
-  report.samples = samples.size();
-  report.greatest_of_vertices = report.greatest_distance;
+  const measure::PartMeasure measured =
+      measure_part(input, {report.points, report.triangles}, options.samples_per_node,
+                   measure::seed_of(statue.rows()[row], options.seed));
+  report.samples = measured.samples;
+  report.greatest_distance = measured.greatest;
+  report.greatest_of_vertices = measured.greatest;
   // Every vertex only where it can make a difference.
   if (statue.rows()[row].error > measure::kLooseFactor * report.greatest_distance) {
+    std::uint32_t near = 0;
     for (const measure::WorldPoint& p : report.points) {
       const auto found = world_distance(input.scale(), input.index(), p, near);
       near = found.triangle;
@@ -135,7 +126,7 @@ void measure_node(const reader::diamonds::Statue& statue, const measure::VerifyO
     }
     report.samples += report.points.size();
   }
-  if (auto finding = measure::check_distance(statue, row, farthest, report.greatest_distance))
+  if (auto finding = measure::check_distance(statue, row, measured.farthest, measured.greatest))
     report.findings.push_back(std::move(*finding));
 }
 
@@ -239,7 +230,10 @@ class Verifier {
     finish_finest();
     log_.check_census(statue_);
     log_.check_orientation(statue_);
-    if (input_) finish_distances();
+    if (input_)
+      count_loose(
+          statue_, sampled_, is_damaged_, [&](auto row) { return parents(row); },
+          [&](auto row) { return weight_unit(row); }, report_, log_);
     log_.sort();
     return std::move(report_);
   }
@@ -248,11 +242,7 @@ class Verifier {
   void finish_level() {
     const measure::LevelCounts counts = census_.finish_level();
     measure::LevelReport& level = report_.levels.back();
-    level.triangles = counts.cut.triangles;
-    level.border_edges = counts.cut.border_edges;
-    level.nonmanifold_edges = counts.cut.nonmanifold_edges;
-    level.is_partial = counts.is_partial;
-    level.has_shared_places = counts.has_shared_places;
+    report_cut(counts, level);
     if (!input_) return;
     surface_.finish();
     const std::size_t spread = options_.samples_per_node * surface_.part_count() / kInputShare;
@@ -354,23 +344,11 @@ class Verifier {
     log_.add_many(measure::FindingKind::kEdge, edges.mismatches, std::move(edges.examples));
   }
 
-  // A node's error is at least that of the nodes below, so it is judged with their distances too; where one
-  // of these is damaged, nothing can be said.
-  void finish_distances() {
-    std::vector<bool> is_unknown = is_damaged_;
-    for (auto row = static_cast<reader::access::RowIndex>(sampled_.size()); row-- > 0;) {
-      for (const reader::access::RowIndex parent : statue_.parents(row))
-        if (!statue_.is_leaf(parent)) {
-          sampled_[parent] = std::max(sampled_[parent], sampled_[row]);
-          is_unknown[parent] = is_unknown[parent] || is_unknown[row];
-        }
-      const double error = statue_.rows()[row].error;
-      if (!(error > statue_.lattice().input_error()) || is_unknown[row]) continue;
-      ++report_.measured_nodes;
-      if (error > std::max(measure::kLooseFactor * sampled_[row], measure::kLooseFactor * weight_unit(row)))
-        ++report_.loose_nodes;
-    }
-    log_.check_looseness();
+  // Those that are split.
+  std::vector<reader::access::RowIndex> parents(reader::access::RowIndex row) const {
+    std::vector<reader::access::RowIndex> parents = statue_.parents(row);
+    std::erase_if(parents, [&](auto parent) { return statue_.is_leaf(parent); });
+    return parents;
   }
 
   // How far one unit of weight moves a vertex of this node at most: on a flat input nothing else is left of

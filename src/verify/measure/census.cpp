@@ -87,6 +87,14 @@ void LevelCensus::add(PartCensus&& census, bool is_leaf) {
   part.shared.insert(part.shared.end(), census.shared.begin(), census.shared.end());
 }
 
+void report_cut(const LevelCounts& counts, LevelReport& report) {
+  report.triangles = counts.cut.triangles;
+  report.border_edges = counts.cut.border_edges;
+  report.nonmanifold_edges = counts.cut.nonmanifold_edges;
+  report.is_partial = counts.is_partial;
+  report.has_shared_places = counts.has_shared_places;
+}
+
 LevelCounts LevelCensus::finish_level() {
   LevelCounts counts{leaves_.inside, leaves_.is_damaged || split_.is_damaged,
                      leaves_.has_shared_places || split_.has_shared_places};

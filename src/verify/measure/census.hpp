@@ -14,6 +14,7 @@
 
 #include "codec/coded/weights.hpp"
 #include "core/hash.hpp"
+#include "verify/measure/report.hpp"
 
 namespace colossus::verify::measure {
 
@@ -48,6 +49,9 @@ struct LevelCounts {
   bool is_partial = false;
   bool has_shared_places = false;  // somewhere in the cut
 };
+
+// Into the report of the level.
+void report_cut(const LevelCounts& counts, LevelReport& report);
 
 // Sums up the uniform cuts, coarsest first. Memory: the edges within faces of one level and of the leaves
 // above it.

@@ -288,4 +288,41 @@ void measure_from_input(const reader::access::Statue& statue, const Input& input
   for (const auto& [row, excess] : all.excesses) log.add(finding_of(statue, measure.level, row, excess));
 }
 
+std::uint64_t seed_of(const container::NodeRow& row, std::uint64_t seed) {
+  return seed ^ geometry::PointHash{}({row.center[0], row.center[1], row.center[2]});
+}
+
+PartMeasure measure_part(const Input& input, const Surface& part, std::size_t samples, std::uint64_t seed) {
+  PartMeasure measured;
+  std::uint32_t near = 0;
+  for (const WorldPoint& p : sample_surface(part, samples, seed)) {
+    const auto found = world_distance(input.scale(), input.index(), p, near);
+    near = found.triangle;
+    ++measured.samples;
+    if (!(found.distance > measured.greatest)) continue;
+    measured.greatest = found.distance;
+    measured.farthest = input.scale().world(p);
+  }
+  return measured;
+}
+
+void count_loose(
+    const reader::access::Statue& statue, std::vector<double>& greatest, const std::vector<bool>& is_damaged,
+    const std::function<std::vector<reader::access::RowIndex>(reader::access::RowIndex)>& parents,
+    const std::function<double(reader::access::RowIndex)>& resolution, VerifyReport& report,
+    FindingLog& log) {
+  std::vector<bool> is_unknown = is_damaged;
+  for (auto row = static_cast<reader::access::RowIndex>(greatest.size()); row-- > 0;) {
+    for (const reader::access::RowIndex parent : parents(row)) {
+      greatest[parent] = std::max(greatest[parent], greatest[row]);
+      is_unknown[parent] = is_unknown[parent] || is_unknown[row];
+    }
+    const double error = statue.rows()[row].error;
+    if (!(error > statue.lattice_error()) || is_unknown[row]) continue;
+    ++report.measured_nodes;
+    if (error > kLooseFactor * std::max(greatest[row], resolution(row))) ++report.loose_nodes;
+  }
+  log.check_looseness();
+}
+
 }  // namespace colossus::verify::measure

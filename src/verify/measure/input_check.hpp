@@ -49,6 +49,16 @@ class Input {
 SurfaceIndex::Nearest world_distance(const Scale& scale, const SurfaceIndex& index, const WorldPoint& p,
                                      std::uint32_t near, double enough = 0.0);
 
+// From a part of a level to the input: of so many points spread over its surface, which is in scaled units.
+struct PartMeasure {
+  std::uint64_t samples = 0;
+  double greatest = 0.0;  // world units
+  WorldPoint farthest{};  // world; where that is
+};
+PartMeasure measure_part(const Input& input, const Surface& part, std::size_t samples, std::uint64_t seed);
+// Points that differ from row to row, and do not depend on the order of rows.
+std::uint64_t seed_of(const container::NodeRow& row, std::uint64_t seed);
+
 // From the input to the cut of a level: at the finest one from every triangle of the input, at coarser ones
 // from as many points as the level has triangles. So many of these, and not fewer, are measured exactly, and
 // all where an error seems to be loose; of the others only that they are near enough, or how far they are.
@@ -66,5 +76,15 @@ struct LevelMeasure {
 void measure_from_input(const reader::access::Statue& statue, const Input& input, const LevelSurface& level,
                         const LevelMeasure& measure, const std::function<HeldError(const WorldPoint&)>& held,
                         FindingLog& log, std::vector<double>& greatest);
+
+// How loose the stored errors are, once all levels are measured: `greatest` holds per row the greatest distance
+// either way. A node's error is at least that of the nodes below, so it is judged with their distances too;
+// where one of these is damaged, nothing can be said. `parents` are the rows above one, each with a lesser
+// number; `resolution` is what no distance of the row can show, in world units. Completes the report's numbers
+// of nodes, and adds a finding where most are loose.
+void count_loose(
+    const reader::access::Statue& statue, std::vector<double>& greatest, const std::vector<bool>& is_damaged,
+    const std::function<std::vector<reader::access::RowIndex>(reader::access::RowIndex)>& parents,
+    const std::function<double(reader::access::RowIndex)>& resolution, VerifyReport& report, FindingLog& log);
 
 }  // namespace colossus::verify::measure

@@ -31,7 +31,7 @@ verify::measure::WorldPoint random_eye(const Statue& statue, std::mt19937_64& ra
   const auto kind = random() % 3;
   double margin = kind == 1 ? BlocksFixture::kRootSide : 0.0;
   if (kind == 2) {
-    const RowRange finest = statue.rows_of_level(statue.deepest_level());
+    const access::RowRange finest = statue.rows_of_level(statue.deepest_level());
     const auto mesh = statue.node(static_cast<access::RowIndex>(finest.first + random() % finest.size()));
     const verify::measure::WorldPoint vertex =
         statue.world(lattice_position(*mesh, random() % mesh->parts[0].positions.size()));
