@@ -1,4 +1,5 @@
-// What a format of inputs is. A new one is a file with a Source and a Format, and a line in formats.cpp.
+// What a format of inputs is. A new one is a file with a Source and a Format, a line that declares it
+// here, and one in the table of formats.cpp.
 #pragma once
 
 #include <memory>
@@ -28,6 +29,12 @@ struct Format {
   // `file` is open for reading and not empty. The Source keeps what source.hpp promises.
   std::unique_ptr<Source> (*open)(core::File file, const SourceOptions& options);
 };
+
+// Each in the file of its source.
+extern const Format kObjFormat;
+extern const Format kOffFormat;
+extern const Format kPlyFormat;
+extern const Format kStlFormat;
 
 // All of them, in the order in which they are asked.
 std::span<const Format* const> formats();

@@ -313,7 +313,6 @@ class ObjSource final : public Source {
 
 }  // namespace
 
-extern const Format kObjFormat;
 const Format kObjFormat{"OBJ", ".obj", nullptr,
                         [](const FileStart& start) {
                           constexpr std::array kWords{"v", "vn", "vt",     "f",     "o",

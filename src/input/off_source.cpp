@@ -383,7 +383,6 @@ class OffSource final : public Source {
 
 }  // namespace
 
-extern const Format kOffFormat;
 const Format kOffFormat{"OFF", ".off .coff .noff .cnoff", nullptr,
                         [](const FileStart& start) {
                           const std::string_view word = start.first_word;

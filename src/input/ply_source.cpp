@@ -291,7 +291,6 @@ void check_list_count(const SourceInfo& info, const PlyElement& element, std::ui
          element.name, row, list.name, count);
 }
 
-extern const Format kPlyFormat;
 const Format kPlyFormat{"PLY", ".ply",
                         [](const FileStart& start) {
                           return start.text.size() > 3 && start.text.starts_with("ply") &&

@@ -305,7 +305,6 @@ bool is_text(const core::File& file) {
 
 }  // namespace
 
-extern const Format kStlFormat;
 const Format kStlFormat{"STL", ".stl", [](const FileStart& start) { return has_size_of_binary(start.file); },
                         [](const FileStart& start) { return start.first_word.starts_with("solid"); },
                         [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {

@@ -15,7 +15,7 @@ std::unique_ptr<access::Statue> open_as(container::ContainerReader container,
 
 }  // namespace
 
-// In a file of its own: a program with schemes of its own brings its own table.
+// In a file of its own: a program with schemes of its own brings its own table (tests/toy).
 std::span<const Scheme> schemes() {
   static constexpr std::array<Scheme, 2> kSchemes{
       {{hierarchy::kDiamonds, &open_as<diamonds::Statue>}, {hierarchy::kBlocks, &open_as<blocks::Statue>}}};

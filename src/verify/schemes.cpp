@@ -6,7 +6,7 @@
 
 namespace colossus::verify {
 
-// In a file of its own: a program with schemes of its own brings its own table.
+// In a file of its own: a program with schemes of its own brings its own table (tests/toy).
 std::span<const Scheme> schemes() {
   using reader::access::Statue;
   static constexpr std::array<Scheme, 2> kSchemes{

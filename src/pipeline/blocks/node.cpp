@@ -7,7 +7,6 @@
 #include "codec/coded/lattice_node.hpp"
 #include "codec/node_codec.hpp"
 #include "geometry/octahedral.hpp"
-#include "geometry/vector.hpp"
 #include "pipeline/blocks/scheme.hpp"
 #include "pipeline/nodes/node_builder.hpp"
 #include "simplify/collapse.hpp"
@@ -28,18 +27,6 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 std::int64_t reach_of(int level) {
   return static_cast<std::int64_t>(kGreatestSigma / 2.0 *
                                    static_cast<double>(std::int64_t{1} << (geometry::kRootBits - level)));
-}
-
-// Sum over the triangles, square units of the grid.
-double area_of(const std::vector<Point>& positions, const std::vector<mesh::Triangle>& triangles) {
-  double doubled = 0.0;
-  for (const mesh::Triangle& t : triangles) {
-    const Point &p = positions[t[0]], &q = positions[t[1]], &r = positions[t[2]];
-    const geometry::Vec3 n = geometry::cross(geometry::to_vec3(q) - geometry::to_vec3(p),
-                                             geometry::to_vec3(r) - geometry::to_vec3(p));
-    doubled += geometry::length(n);
-  }
-  return 0.5 * doubled;
 }
 
 // The cubes of a block as one welded mesh, and the parents that its parts go to.
@@ -251,7 +238,7 @@ class Block {
     facts::FinishedNode& node = builder.node();
     if (cube.record.id.level == grid.levels) {
       node.row.flags = container::kNodeIsLeaf;
-      node.area = area_of(positions, part.triangles);
+      node.area = nodes::area_of(positions, part.triangles);
     }
     node.row.error = cube.error;
     node.statistics.inconsistent_edges = cube.record.inconsistent_edges;

@@ -5,9 +5,21 @@
 
 #include "codec/node_codec.hpp"
 #include "container/chunk.hpp"
+#include "geometry/vector.hpp"
 #include "pipeline/facts/catalog.hpp"
 
 namespace colossus::pipeline::nodes {
+
+double area_of(std::span<const geometry::Point> positions, std::span<const mesh::Triangle> triangles) {
+  double doubled = 0.0;
+  for (const mesh::Triangle& t : triangles) {
+    const geometry::Point &p = positions[t[0]], &q = positions[t[1]], &r = positions[t[2]];
+    const geometry::Vec3 n = geometry::cross(geometry::to_vec3(q) - geometry::to_vec3(p),
+                                             geometry::to_vec3(r) - geometry::to_vec3(p));
+    doubled += geometry::length(n);
+  }
+  return 0.5 * doubled;
+}
 
 NodeBuilder::NodeBuilder(const StoredLattice& lattice, std::uint32_t level, const geometry::Point& center,
                          const std::array<std::int64_t, 3>& empty_at)

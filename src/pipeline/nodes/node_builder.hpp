@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "codec/payload.hpp"
 #include "container/schema.hpp"
@@ -18,6 +19,9 @@ struct StoredLattice {
   std::array<double, 3> origin{};
   double step = 0.0;
 };
+
+// Sum over the triangles, square units of the positions'.
+double area_of(std::span<const geometry::Point> positions, std::span<const mesh::Triangle> triangles);
 
 class NodeBuilder {
  public:
