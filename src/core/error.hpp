@@ -4,7 +4,7 @@
 // not write ourselves are read into a Result. Our own bugs end in COLOSSUS_CHECK.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cstdint>
 #include <stdexcept>

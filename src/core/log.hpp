@@ -1,7 +1,7 @@
 // Log lines for log files: one line at a time, ISO time, elapsed seconds, no control characters.
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <string>
 

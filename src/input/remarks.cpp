@@ -1,6 +1,6 @@
 #include "input/remarks.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 // top of each other.
 #include "verify/blocks/clefts.hpp"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <cstdio>
 #include <cstdlib>

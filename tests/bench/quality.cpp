@@ -1,7 +1,7 @@
 // quality CONTAINER INPUT: per level, the root-mean-square distances between the uniform cut and the input,
 // beside those of OpenMesh's quadric decimation (half-edge collapses) of the whole input to the same number
 // of triangles.
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>

@@ -1,7 +1,7 @@
 // rank_memory FOLDER COMMAND...: runs COMMAND and writes its largest resident set, in bytes, to
 // FOLDER/rank_<rank>. Between mpirun and a program it measures each rank from outside, which neither mpirun
 // nor time(1) does.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
