@@ -1,4 +1,5 @@
-// The octree of the blocks scheme as pure index arithmetic (Li 2024, sections 3.2.3 to 3.2.6).
+// The octree as pure index arithmetic: its cubes, which buckets are, too, and the blocks of the scheme blocks
+// (Li 2024, sections 3.2.3 to 3.2.6).
 //
 // At level l the root cube [0, 2^30]^3 is divided into 2^l cubes along each axis. A block is n x n x n cubes,
 // shifted by n/2: block b of a level holds the cubes from n * b - n/2 to n * b + n/2 - 1 along each axis.
@@ -22,6 +23,7 @@ inline constexpr int kMaxCubeLevel = 20;
 inline constexpr int kLeastBlockSize = 4;
 inline constexpr int kGreatestBlockSize = 64;
 
+// A cube of the octree. Levels up to geometry::kRootBits are possible; containers go to kMaxCubeLevel.
 struct CubeId {
   std::int32_t level = 0;
   std::int32_t x = 0;
@@ -34,7 +36,12 @@ struct CubeId {
   CubeId child(int octant) const {
     return {level + 1, 2 * x + (octant & 1), 2 * y + (octant >> 1 & 1), 2 * z + (octant >> 2)};
   }
-  bool is_inside_root() const;
+  bool is_inside_root() const;  // and no deeper than kMaxCubeLevel
+  // Of a point of the lattice whose root cube has sides of 2^root_bits; level <= root_bits.
+  bool contains(const geometry::Point& p, int root_bits) const {
+    const int shift = root_bits - level;
+    return p.x >> shift == x && p.y >> shift == y && p.z >> shift == z;
+  }
   // Lowest corner and side on a lattice whose root cube has sides of 2^root_bits; level <= root_bits.
   geometry::Point corner(int root_bits) const;
   std::int64_t side(int root_bits) const { return std::int64_t{1} << (root_bits - level); }

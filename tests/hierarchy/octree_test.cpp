@@ -131,6 +131,7 @@ TEST(Octree, ParentsChildrenAndCentersAgree) {
         const CubeId child = cube.child(octant);
         EXPECT_TRUE(child.is_inside_root());
         EXPECT_EQ(child.parent(), cube);
+        EXPECT_TRUE(cube.contains(child.corner(root_bits), root_bits));
         for (int axis = 0; axis < 3; ++axis)
           EXPECT_EQ(child.center(root_bits)[axis] > center[axis], (octant >> axis & 1) == 1);
       }

@@ -21,7 +21,7 @@ Point middle_on_grid(const Point& a, const Point& b, std::int32_t spacing) {
 LongEdgeSplitter::LongEdgeSplitter(std::int64_t longest, std::int32_t spacing, mesh::Mesh& mesh)
     : longest_(longest), spacing_(spacing), mesh_(mesh), part_of_(mesh.triangles.size(), kNone) {}
 
-std::uint64_t LongEdgeSplitter::run(const buckets::Cube& cube) {
+std::uint64_t LongEdgeSplitter::run(const hierarchy::CubeId& cube) {
   while (split_once(cube)) {
   }
   split_lost();
@@ -65,7 +65,7 @@ LongEdgeSplitter::Corners LongEdgeSplitter::corners_of(std::uint32_t triangle) c
   return {geometry::to_vec3(at(t[0])), geometry::to_vec3(at(t[1])), geometry::to_vec3(at(t[2]))};
 }
 
-bool LongEdgeSplitter::split_once(const buckets::Cube& cube) {
+bool LongEdgeSplitter::split_once(const hierarchy::CubeId& cube) {
   std::vector<mesh::Triangle> triangles;
   std::vector<std::uint32_t> part_of;
   std::vector<Corners> parts;
@@ -102,14 +102,14 @@ bool LongEdgeSplitter::split_once(const buckets::Cube& cube) {
   return true;
 }
 
-std::uint32_t LongEdgeSplitter::middle_of(std::uint32_t a, std::uint32_t b, const buckets::Cube& cube) {
+std::uint32_t LongEdgeSplitter::middle_of(std::uint32_t a, std::uint32_t b, const hierarchy::CubeId& cube) {
   const auto [entry, is_new] =
       middles_.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh_.vertices.size()));
   if (!is_new) return entry->second;
   // Halfway the order of the ends does not matter.
   mesh::Vertex middle = mesh::interpolate(mesh_.vertices[a], mesh_.vertices[b], 1, 2);
   middle.position = middle_on_grid(at(a), at(b), spacing_);
-  if (cube.contains(std::min(at(a), at(b)))) ++count_;
+  if (cube.contains(std::min(at(a), at(b)), geometry::kRootBits)) ++count_;
   mesh_.vertices.push_back(middle);
   return entry->second;
 }

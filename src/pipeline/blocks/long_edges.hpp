@@ -28,7 +28,7 @@ class LongEdgeSplitter {
   LongEdgeSplitter(std::int64_t longest, std::int32_t spacing, mesh::Mesh& mesh);
 
   // Returns how many edges were split whose lesser end lies in the cube.
-  std::uint64_t run(const buckets::Cube& cube);
+  std::uint64_t run(const hierarchy::CubeId& cube);
 
   // Triangles that collapsed when the middles of their edges were rounded, in pieces that are not too long.
   const std::vector<buckets::LostTriangle>& lost() const { return lost_; }
@@ -42,11 +42,11 @@ class LongEdgeSplitter {
   // Where the corners of a part would be without rounding.
   using Corners = std::array<geometry::Vec3, 3>;
 
-  bool split_once(const buckets::Cube& cube);
+  bool split_once(const hierarchy::CubeId& cube);
   void split_lost();
   void divide(const mesh::Triangle& t, const Corners& corners, const std::array<std::uint32_t, 3>& middle,
               std::vector<mesh::Triangle>& triangles, std::vector<Corners>& parts) const;
-  std::uint32_t middle_of(std::uint32_t a, std::uint32_t b, const buckets::Cube& cube);
+  std::uint32_t middle_of(std::uint32_t a, std::uint32_t b, const hierarchy::CubeId& cube);
   Corners corners_of(std::uint32_t triangle) const;
   const geometry::Point& at(std::uint32_t v) const { return mesh_.vertices[v].position; }
 

@@ -158,7 +158,7 @@ mesh::Mesh mesh_of_cube(const mesh::Mesh& bucket, std::span<const std::uint32_t>
 // By cube, how far at most what stands for a lost triangle in it is from where that lies.
 using Displacements = std::map<CubeId, double>;
 
-void assign_to_cubes(const run::Workspace& workspace, const Grid& grid, const buckets::Cube& cube,
+void assign_to_cubes(const run::Workspace& workspace, const Grid& grid, const hierarchy::CubeId& cube,
                      const mesh::Mesh& mesh, const LongEdgeSplitter& splitter, const Displacements& of_lost,
                      CubesResult& out) {
   struct Assigned {
@@ -166,7 +166,7 @@ void assign_to_cubes(const run::Workspace& workspace, const Grid& grid, const bu
     std::uint32_t triangle;
   };
   std::vector<Assigned> assigned;
-  const int finer = grid.levels - cube.depth;
+  const int finer = grid.levels - cube.level;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const mesh::Triangle& t = mesh.triangles[i];
     const Point &p = mesh.vertices[t[0]].position, &q = mesh.vertices[t[1]].position,
@@ -246,9 +246,9 @@ CubesResult make_cubes(const run::Workspace& workspace, const Grid& grid, bucket
   out.counts.split_edges = splitter.run(bucket.cube);
   is_changed = is_changed || bucket.mesh.triangles.size() != before || !splitter.lost().empty();
   revive(splitter.lost());
-  out.counts.finest = is_changed
-                          ? census_of_edges(bucket.mesh.triangles, bucket.mesh.vertices, {}, bucket.cube)
-                          : bucket.finest;
+  out.counts.finest =
+      is_changed ? buckets::census_of_edges(bucket.mesh.triangles, bucket.mesh.vertices, {}, bucket.cube)
+                 : bucket.finest;
   assign_to_cubes(workspace, grid, bucket.cube, bucket.mesh, splitter, of_lost, out);
   return out;
 }

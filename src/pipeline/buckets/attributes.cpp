@@ -55,7 +55,7 @@ struct BucketResult {
 
 // A triangle goes to all buckets that its bounding box meets: these need its corners, even if it is lost.
 std::vector<ForNeighbor> tell_neighbors(const run::Workspace& workspace, const BucketTree& tree,
-                                        const Cube& cube, const mesh::Mesh& mesh,
+                                        const CubeId& cube, const mesh::Mesh& mesh,
                                         std::span<const LostTriangle> lost) {
   struct Need {
     std::uint32_t bucket;
@@ -76,10 +76,10 @@ std::vector<ForNeighbor> tell_neighbors(const run::Workspace& workspace, const B
         low[axis] = std::min(low[axis], vertex(v).position[axis]);
         high[axis] = std::max(high[axis], vertex(v).position[axis]);
       }
-    if (cube.contains(low) && cube.contains(high)) return;
+    if (cube.contains(low, geometry::kRootBits) && cube.contains(high, geometry::kRootBits)) return;
     tree.find(low, high, met);
     for (const auto v : t)
-      if (cube.contains(vertex(v).position))
+      if (cube.contains(vertex(v).position, geometry::kRootBits))
         for (const auto bucket : met)
           if (tree.cubes()[bucket] != cube) needs.push_back({bucket, v});
   };
@@ -114,7 +114,7 @@ std::vector<std::size_t> filled_buckets(const std::vector<Bucket>& buckets) {
 }
 
 std::string crowd_text(const facts::Catalog& catalog, const Bucket& bucket) {
-  const double side = static_cast<double>(geometry::kRootSide >> bucket.cube.depth);
+  const double side = static_cast<double>(geometry::kRootSide >> bucket.cube.level);
   const auto low = catalog.lattice.world({side * bucket.cube.x, side * bucket.cube.y, side * bucket.cube.z});
   return fmt::format("a cube of side {} at {} {} {}, in which {} triangles crowd,",
                      side * catalog.lattice.step, low[0], low[1], low[2], bucket.triangle_count);
@@ -176,7 +176,7 @@ std::vector<BucketRecord> give_attributes(const run::Workspace& workspace, facts
       },
       [&](std::span<const std::byte> task) {
         ByteReader reader(task);
-        const auto cube = reader.get<Cube>();
+        const auto cube = reader.get<CubeId>();
         ingest::Piece piece;
         while (reader.remaining() > 0)
           load_piece(workspace, catalog, reader.get<scratch::RecordRef>(), piece);
@@ -242,7 +242,7 @@ Bytes bucket_task(const BucketRecord& bucket) {
 LoadedBucket load_bucket(const run::Workspace& workspace, std::span<const std::byte> task) {
   ByteReader reader(task);
   LoadedBucket bucket;
-  bucket.cube = reader.get<Cube>();
+  bucket.cube = reader.get<CubeId>();
   bucket.finest = reader.get<EdgeCensus>();
   bucket.mesh = nodes::load(workspace, reader.get<scratch::RecordRef>()).mesh;
   const auto lost_count = reader.get<std::uint64_t>();
@@ -260,7 +260,7 @@ LoadedBucket load_bucket(const run::Workspace& workspace, std::span<const std::b
   const auto is_less = [](const mesh::Vertex& a, const mesh::Vertex& b) { return a.position < b.position; };
   std::sort(known.begin(), known.end(), is_less);
   const auto finish = [&](mesh::Vertex& v) {
-    if (bucket.cube.contains(v.position)) return;
+    if (bucket.cube.contains(v.position, geometry::kRootBits)) return;
     const auto found = std::lower_bound(known.begin(), known.end(), v, is_less);
     COLOSSUS_CHECK(found != known.end() && found->position == v.position, "no attributes for {} {} {}",
                    v.position.x, v.position.y, v.position.z);

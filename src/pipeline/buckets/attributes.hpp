@@ -7,7 +7,7 @@ namespace colossus::pipeline::buckets {
 
 // A bucket's mesh in scratch, and what its neighbours wrote for it.
 struct BucketRecord {
-  Cube cube;
+  CubeId cube;
   std::uint64_t triangle_count = 0;
   EdgeCensus finest;  // of its mesh
   scratch::RecordRef mesh;
@@ -30,7 +30,7 @@ void log_counts(const cluster::Communicator& ranks, const facts::Catalog& catalo
 // A bucket as a task, and its mesh with all attributes.
 core::Bytes bucket_task(const BucketRecord& bucket);
 struct LoadedBucket {
-  Cube cube;
+  CubeId cube;
   EdgeCensus finest;  // of the mesh
   mesh::Mesh mesh;
   std::vector<LostTriangle> lost;

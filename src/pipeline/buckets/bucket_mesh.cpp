@@ -79,7 +79,8 @@ struct ColorSum {
 
 }  // namespace
 
-BucketMesh::BucketMesh(const Rounding& rounding, const Cube& cube, const InputBox& box, ingest::Piece&& piece)
+BucketMesh::BucketMesh(const Rounding& rounding, const CubeId& cube, const InputBox& box,
+                       ingest::Piece&& piece)
     : rounding_(rounding), cube_(cube), box_(box) {
   place(std::move(piece));
   give_attributes();
@@ -422,18 +423,19 @@ void BucketMesh::lose(const std::array<mesh::Vertex, 3>& corners, double displac
 // Who holds the least corner of a triangle counts it.
 bool BucketMesh::owns(const mesh::Triangle& t, const std::vector<mesh::Vertex>& vertices) const {
   const auto at = [&](std::uint32_t v) { return rounding_(vertices[v].position); };
-  return cube_.contains(std::min({at(t[0]), at(t[1]), at(t[2])}));
+  return cube_.contains(std::min({at(t[0]), at(t[1]), at(t[2])}), geometry::kRootBits);
 }
 
 EdgeCensus census_of_edges(std::span<const mesh::Triangle> triangles,
                            const std::vector<mesh::Vertex>& vertices, const Rounding& rounding,
-                           const Cube& cube, const std::vector<bool>* only_at) {
+                           const CubeId& cube, const std::vector<bool>* only_at) {
   EdgeCensus census;
   for (const mesh::Edge& edge : mesh::edges(triangles)) {
     const bool is_inconsistent = edge.count() == 2 && edge.forward != edge.backward;
     if (edge.count() == 2 && !is_inconsistent) continue;
     if (only_at != nullptr && !(*only_at)[edge.a] && !(*only_at)[edge.b]) continue;
-    if (!cube.contains(std::min(rounding(vertices[edge.a].position), rounding(vertices[edge.b].position))))
+    if (!cube.contains(std::min(rounding(vertices[edge.a].position), rounding(vertices[edge.b].position)),
+                       geometry::kRootBits))
       continue;
     census.border += edge.is_border() ? 1 : 0;
     census.nonmanifold += edge.is_nonmanifold() ? 1 : 0;

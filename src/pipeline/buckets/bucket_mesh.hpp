@@ -72,7 +72,7 @@ struct InputBox {
 class BucketMesh {
  public:
   // Memory: bucket_mesh_bytes().
-  BucketMesh(const Rounding& rounding, const Cube& cube, const InputBox& box, ingest::Piece&& piece);
+  BucketMesh(const Rounding& rounding, const CubeId& cube, const InputBox& box, ingest::Piece&& piece);
 
   mesh::Mesh& mesh() { return mesh_; }
   const BucketCounts& counts() const { return counts_; }
@@ -96,7 +96,7 @@ class BucketMesh {
   void lose(const std::array<mesh::Vertex, 3>& corners, double displacement);
   bool owns(const mesh::Triangle& t, const std::vector<mesh::Vertex>& vertices) const;
   bool owns_place(std::uint32_t place) const {
-    return cube_.contains(rounding_(places_.vertices[place].position));
+    return cube_.contains(rounding_(places_.vertices[place].position), geometry::kRootBits);
   }
 
   // Two opposite triangles of mesh_ that rounding has laid onto each other.
@@ -118,7 +118,7 @@ class BucketMesh {
   };
 
   Rounding rounding_;
-  Cube cube_;
+  CubeId cube_;
   InputBox box_;
   mesh::Mesh places_;  // welded before rounding
   std::vector<Other> others_;
@@ -134,7 +134,7 @@ class BucketMesh {
 // With `only_at`, of those edges only that have one of these vertices for an end.
 EdgeCensus census_of_edges(std::span<const mesh::Triangle> triangles,
                            const std::vector<mesh::Vertex>& vertices, const Rounding& rounding,
-                           const Cube& cube, const std::vector<bool>* only_at = nullptr);
+                           const CubeId& cube, const std::vector<bool>* only_at = nullptr);
 
 // An upper estimate of the greatest memory of a BucketMesh and of what a scheme then does with it.
 std::uint64_t bucket_mesh_bytes(std::uint64_t triangles, std::uint64_t vertices_of_pieces);

@@ -25,7 +25,7 @@ constexpr std::uint64_t kMostCounters = std::uint64_t{1} << 22;
 
 // A cube whose triangles are counted `finer` levels below, if that is not 0.
 struct CountedCube {
-  Cube cube;
+  CubeId cube;
   std::int32_t finer = 0;
 };
 
@@ -44,7 +44,7 @@ class Counters {
     }
   }
   std::uint64_t size() const { return size_; }
-  // At the finest depth of the cube, counted in the root cube.
+  // At the finest level of the cube, counted in the root cube.
   std::uint64_t index(std::size_t cube, std::int32_t x, std::int32_t y, std::int32_t z) const {
     const auto& [at, finer] = cubes_[cube];
     const auto local = [finer = finer](std::int32_t i, std::int32_t of_cube) {
@@ -62,17 +62,17 @@ class Counters {
 class BucketPlanner {
  public:
   BucketPlanner(const run::Workspace& workspace, const facts::Catalog& catalog,
-                std::span<const ingest::TriangleGroup> groups, const Rounding& rounding, int most_depth)
+                std::span<const ingest::TriangleGroup> groups, const Rounding& rounding, int most_level)
       : workspace_(workspace),
         catalog_(catalog),
         groups_(groups),
         rounding_(rounding),
-        most_depth_(most_depth),
+        most_level_(most_level),
         limit_(std::max(kLeastBucketTriangles, kLeavesPerBucket * workspace.options.leaf_triangles)),
         cells_of_groups_(groups.size(), 1) {}
 
   BucketPlan run() {
-    cubes_ = {{{0, 0, 0, 0}, levels_for(catalog_.counts.triangles, most_depth_)}};
+    cubes_ = {{{0, 0, 0, 0}, levels_for(catalog_.counts.triangles, most_level_)}};
     if (catalog_.counts.triangles <= limit_) cubes_[0].finer = 0;
     for (bool is_first = true;; is_first = false) {
       broadcast_values(workspace_.ranks, cubes_);
@@ -80,7 +80,7 @@ class BucketPlanner {
       count_centroids();
       if (workspace_.ranks.is_root()) split_cubes(is_first);
     }
-    std::vector<Cube> cubes;
+    std::vector<CubeId> cubes;
     for (const CountedCube& c : cubes_) cubes.push_back(c.cube);
     BucketPlan plan{BucketTree(std::move(cubes)), 0};
     for (const std::uint64_t cells : cells_of_groups_)
@@ -90,7 +90,7 @@ class BucketPlanner {
   }
 
  private:
-  // A surface fills about 4^depth cubes: two levels more than an even spread would need.
+  // A surface fills about 4^level cubes: two levels more than an even spread would need.
   int levels_for(std::uint64_t triangles, int most) const {
     int levels = 0;
     while (levels < std::min(most, kMostLevelsPerPass) && limit_ << (2 * levels) < triangles * 16) ++levels;
@@ -98,7 +98,7 @@ class BucketPlanner {
   }
 
   void count_centroids() {
-    std::vector<Cube> cubes;
+    std::vector<CubeId> cubes;
     for (const CountedCube& c : cubes_) cubes.push_back(c.cube);
     const BucketTree tree(std::move(cubes));
     const Counters counters(cubes_);
@@ -129,7 +129,7 @@ class BucketPlanner {
         centroid[axis] = static_cast<std::int32_t>((std::int64_t{p[axis]} + q[axis] + r[axis]) / 3);
       const std::uint32_t cube = tree.at(centroid);
       if (cubes_[cube].finer == 0) continue;
-      const int shift = geometry::kRootBits - cubes_[cube].cube.depth - cubes_[cube].finer;
+      const int shift = geometry::kRootBits - cubes_[cube].cube.level - cubes_[cube].finer;
       cells.push_back(counters.index(cube, centroid.x >> shift, centroid.y >> shift, centroid.z >> shift));
     }
     ingest::radix_sort(cells, 0, static_cast<int>(std::bit_width(counters.size())));
@@ -158,22 +158,22 @@ class BucketPlanner {
     cubes_ = std::move(next);
   }
 
-  void descend(const Counters& counters, std::size_t counted, const Cube& cube,
+  void descend(const Counters& counters, std::size_t counted, const CubeId& cube,
                std::vector<CountedCube>& next, std::uint64_t& next_counters) const {
-    const int finer = cubes_[counted].cube.depth + cubes_[counted].finer - cube.depth;
+    const int finer = cubes_[counted].cube.level + cubes_[counted].finer - cube.level;
     const std::uint64_t count = sum(counters, counted, cube, finer);
     if (finer > 0 && count > limit_) {
       for (int octant = 0; octant < 8; ++octant)
         descend(counters, counted, cube.child(octant), next, next_counters);
       return;
     }
-    int levels = count > kMostLimits * limit_ ? levels_for(count, most_depth_ - cube.depth) : 0;
+    int levels = count > kMostLimits * limit_ ? levels_for(count, most_level_ - cube.level) : 0;
     if (next_counters + (std::uint64_t{1} << (3 * levels)) > kMostCounters) levels = 0;
     if (levels > 0) next_counters += std::uint64_t{1} << (3 * levels);
     next.push_back({cube, levels});
   }
 
-  std::uint64_t sum(const Counters& counters, std::size_t counted, const Cube& cube, int finer) const {
+  std::uint64_t sum(const Counters& counters, std::size_t counted, const CubeId& cube, int finer) const {
     std::uint64_t sum = 0;
     for (std::int32_t z = cube.z << finer; z < (cube.z + 1) << finer; ++z)
       for (std::int32_t y = cube.y << finer; y < (cube.y + 1) << finer; ++y)
@@ -182,9 +182,9 @@ class BucketPlanner {
     return sum;
   }
 
-  // Else all would be split to the depth that was counted, and the bucket would be no smaller.
+  // Else all would be split to the level that was counted, and the bucket would be no smaller.
   bool is_thinned_out(const Counters& counters, std::size_t counted) const {
-    const Cube& cube = cubes_[counted].cube;
+    const CubeId& cube = cubes_[counted].cube;
     const int finer = cubes_[counted].finer;
     std::uint64_t whole = 0;
     std::uint64_t most = 0;
@@ -200,7 +200,7 @@ class BucketPlanner {
   const facts::Catalog& catalog_;
   std::span<const ingest::TriangleGroup> groups_;
   Rounding rounding_;
-  int most_depth_;
+  int most_level_;
   std::uint64_t limit_;
   int passes_ = 0;
   std::vector<CountedCube> cubes_;     // as many as tile the root cube
@@ -212,8 +212,8 @@ class BucketPlanner {
 
 BucketPlan plan_buckets(const run::Workspace& workspace, const facts::Catalog& catalog,
                         std::span<const ingest::TriangleGroup> groups, const Rounding& rounding,
-                        int most_depth) {
-  return BucketPlanner(workspace, catalog, groups, rounding, most_depth).run();
+                        int most_level) {
+  return BucketPlanner(workspace, catalog, groups, rounding, most_level).run();
 }
 
 }  // namespace colossus::pipeline::buckets

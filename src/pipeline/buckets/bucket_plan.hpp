@@ -25,10 +25,10 @@ struct BucketPlan {
 
 // The same on all ranks. Cubes hold at most some 10^5 centroids of triangles that rounding leaves three
 // corners, or eight leaves' if that is more; twice as many where the surface is crowded, and more where it is
-// so crowded that seven more levels would not thin it out, or at `most_depth`. The counts cost one pass over
+// so crowded that seven more levels would not thin it out, or at `most_level`. The counts cost one pass over
 // the groups, and another one for each seven levels that a crowd needs. Collective.
 BucketPlan plan_buckets(const run::Workspace& workspace, const facts::Catalog& catalog,
                         std::span<const ingest::TriangleGroup> groups, const Rounding& rounding,
-                        int most_depth);
+                        int most_level);
 
 }  // namespace colossus::pipeline::buckets

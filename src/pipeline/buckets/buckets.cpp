@@ -121,7 +121,7 @@ class BucketFiller {
                      : from_groups("buckets", 1);
     Buckets result{std::move(tree_), {}};
     if (!workspace_.ranks.is_root()) return result;
-    for (const Cube& cube : result.tree.cubes()) result.buckets.push_back({cube, 0, 0, {}});
+    for (const CubeId& cube : result.tree.cubes()) result.buckets.push_back({cube, 0, 0, {}});
     for (auto& of_task : pieces) {
       for (const BucketPiece& piece : of_task) {
         Bucket& bucket = result.buckets[piece.target];
@@ -229,7 +229,7 @@ class BucketFiller {
 Buckets fill_buckets(const run::Workspace& workspace, facts::Catalog& catalog,
                      std::span<const ingest::TriangleGroup> groups, const Rounding& rounding,
                      const BucketOptions& options) {
-  BucketPlan plan = plan_buckets(workspace, catalog, groups, rounding, options.most_depth);
+  BucketPlan plan = plan_buckets(workspace, catalog, groups, rounding, options.most_level);
   const bool in_two_steps = plan.piece_count > options.most_pieces;
   return BucketFiller(workspace, catalog, groups, rounding, std::move(plan)).run(in_two_steps);
 }

@@ -6,7 +6,7 @@
 namespace colossus::pipeline::buckets {
 
 struct Bucket {
-  Cube cube;
+  CubeId cube;
   std::uint64_t triangle_count = 0;
   std::uint64_t vertex_count = 0;          // of all pieces
   std::vector<scratch::RecordRef> pieces;  // in the order of the input's faces
@@ -18,7 +18,7 @@ struct Buckets {
 };
 
 struct BucketOptions {
-  int most_depth = 0;
+  int most_level = 0;
   // Rank 0 knows 40 bytes of each piece. Where a group would be torn into more pieces than this in total,
   // since the order of its triangles is not that of space, triangles go to runs of buckets first, and from
   // there to buckets: each is written twice, but the pieces are some 100 times fewer.

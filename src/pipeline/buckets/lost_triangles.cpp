@@ -16,7 +16,7 @@ using Segment = std::pair<Point, Point>;
 
 class Reviver {
  public:
-  Reviver(const std::vector<LostTriangle>& lost, std::int32_t spacing, const Cube& cube, mesh::Mesh& mesh)
+  Reviver(const std::vector<LostTriangle>& lost, std::int32_t spacing, const CubeId& cube, mesh::Mesh& mesh)
       : spacing_(spacing), cube_(cube), mesh_(mesh) {
     for (const LostTriangle& triangle : lost) {
       if (triangle.is_fin())
@@ -33,9 +33,9 @@ class Reviver {
     drop_covered();
     for (const auto& [segment, ends] : segments_) {
       // Who does not hold a point does not know whether the surface goes on there.
-      if (segment.first == segment.second && !cube_.contains(segment.first)) continue;
+      if (segment.first == segment.second && !cube_.contains(segment.first, geometry::kRootBits)) continue;
       add_pair(segment, ends);
-      revived.pairs += cube_.contains(segment.first) ? 1 : 0;
+      revived.pairs += cube_.contains(segment.first, geometry::kRootBits) ? 1 : 0;
     }
     return revived;
   }
@@ -109,7 +109,7 @@ class Reviver {
   }
 
   std::int32_t spacing_;
-  const Cube& cube_;
+  const CubeId& cube_;
   mesh::Mesh& mesh_;
   std::vector<std::array<Point, 3>> fins_;
   std::map<Segment, std::array<mesh::Vertex, 2>> segments_;
@@ -119,7 +119,7 @@ class Reviver {
 
 }  // namespace
 
-Revived revive_lost(const std::vector<LostTriangle>& lost, std::int32_t spacing, const Cube& cube,
+Revived revive_lost(const std::vector<LostTriangle>& lost, std::int32_t spacing, const CubeId& cube,
                     mesh::Mesh& mesh) {
   return Reviver(lost, spacing, cube, mesh).run();
 }

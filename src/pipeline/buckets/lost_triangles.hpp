@@ -34,7 +34,7 @@ struct Revived {
 // on which positions lie, in lattice units: what is added reaches as far beyond its segment. Depends on
 // nothing but the segment, and on the triangles that have it for an edge, or their corner in the cube; so all
 // buckets do the same. Linear.
-Revived revive_lost(const std::vector<LostTriangle>& lost, std::int32_t spacing, const Cube& cube,
+Revived revive_lost(const std::vector<LostTriangle>& lost, std::int32_t spacing, const CubeId& cube,
                     mesh::Mesh& mesh);
 
 }  // namespace colossus::pipeline::buckets

@@ -107,13 +107,14 @@ class Refiner {
 // enters through the same sequence of planes.
 class BucketCutter {
  public:
-  BucketCutter(const buckets::Cube& cube, Refiner& refiner, Refinement& out) : refiner_(refiner), out_(out) {
-    const std::int64_t side = std::int64_t{geometry::kRootSide} >> cube.depth;
+  BucketCutter(const hierarchy::CubeId& cube, Refiner& refiner, Refinement& out)
+      : refiner_(refiner), out_(out) {
+    const std::int64_t side = std::int64_t{geometry::kRootSide} >> cube.level;
     low_ = {static_cast<std::int32_t>(cube.x * side), static_cast<std::int32_t>(cube.y * side),
             static_cast<std::int32_t>(cube.z * side)};
     high_ = {static_cast<std::int32_t>(low_.x + side), static_cast<std::int32_t>(low_.y + side),
              static_cast<std::int32_t>(low_.z + side)};
-    level_ = 3 * cube.depth;
+    level_ = 3 * cube.level;
   }
 
   void cut(Mesh&& mesh) {

@@ -17,7 +17,7 @@ using geometry::Vec3;
 
 constexpr std::int32_t kSpacing = 16;
 constexpr std::int64_t kLongest = 50 * kSpacing;
-constexpr buckets::Cube kRoot{};
+constexpr hierarchy::CubeId kRoot{};
 
 Point random_point(std::mt19937_64& random, std::int32_t most) {
   const auto coordinate = [&] {

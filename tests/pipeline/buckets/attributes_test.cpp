@@ -13,8 +13,8 @@ namespace {
 
 using geometry::Point;
 
-void split(const Cube& cube, std::mt19937_64& random, std::vector<Cube>& cubes) {
-  if (cube.depth == 4 || (cube.depth > 0 && random() % 2 == 0)) {
+void split(const CubeId& cube, std::mt19937_64& random, std::vector<CubeId>& cubes) {
+  if (cube.level == 4 || (cube.level > 0 && random() % 2 == 0)) {
     cubes.push_back(cube);
     return;
   }
@@ -74,7 +74,7 @@ Corners corners_of(const mesh::Mesh& mesh, const mesh::Triangle& t) {
 void expect_one_mesh(bool has_normals, const Rounding& rounding) {
   std::mt19937_64 random(test_seed());
   const MadeUpFile file = rough_soup(has_normals, random);
-  std::vector<Cube> cubes;
+  std::vector<CubeId> cubes;
   split({}, random, cubes);
   const CommonFolder folder;
   const TestBuild build(folder);
@@ -102,7 +102,7 @@ void expect_one_mesh(bool has_normals, const Rounding& rounding) {
     buckets.tree.find(low, high, met);
     for (const auto bucket : met) wanted[bucket].push_back(i);
   }
-  for (const Cube& cube : cubes) buckets.buckets.push_back({cube, 0, 0, {}});
+  for (const CubeId& cube : cubes) buckets.buckets.push_back({cube, 0, 0, {}});
   run_phase(
       workspace, "pieces", cubes.size(),
       [](std::size_t i) {
@@ -126,7 +126,7 @@ void expect_one_mesh(bool has_normals, const Rounding& rounding) {
   if (!world().is_root()) return;
 
   BucketMesh expected(
-      rounding, Cube{},
+      rounding, CubeId{},
       {catalog.lattice.input_vertex(catalog.bounds.low), catalog.lattice.input_vertex(catalog.bounds.high)},
       ingest::Piece(whole));
   const BucketCounts& counts = expected.counts();
@@ -160,7 +160,7 @@ void expect_one_mesh(bool has_normals, const Rounding& rounding) {
     for (const mesh::Triangle& t : bucket.mesh.triangles) {
       const Corners corners = corners_of(bucket.mesh, t);
       // The one that owns its least corner counts it; all that have it agree.
-      if (bucket.cube.contains(corners[0])) ++found[corners];
+      if (bucket.cube.contains(corners[0], geometry::kRootBits)) ++found[corners];
       EXPECT_TRUE(triangles.contains(corners));
       for (const auto v : t) {
         const mesh::Vertex& vertex = bucket.mesh.vertices[v];

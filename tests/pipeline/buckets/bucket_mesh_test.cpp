@@ -18,7 +18,7 @@ namespace {
 using geometry::Point;
 using mesh::Triangle;
 
-constexpr Cube kRoot{};
+constexpr CubeId kRoot{};
 
 mesh::Vertex vertex_at(std::int32_t x, std::int32_t y, std::int32_t z, std::uint16_t fingerprint = 0) {
   mesh::Vertex vertex;

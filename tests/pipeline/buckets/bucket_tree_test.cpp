@@ -16,34 +16,34 @@ std::uint64_t seed() {
   return text == nullptr ? 1 : std::strtoull(text, nullptr, 10);
 }
 
-// Splits cubes at random, those along one path to the depth where cubes have a side of one.
-void split(const Cube& cube, int most_depth, bool is_on_path, std::mt19937_64& random,
-           std::vector<Cube>& cubes) {
+// Splits cubes at random, those along one path to the level where cubes have a side of one.
+void split(const CubeId& cube, int most_level, bool is_on_path, std::mt19937_64& random,
+           std::vector<CubeId>& cubes) {
   // One in sixteen, below some levels: more would make cubes beyond number.
-  if (cube.depth == most_depth || !(is_on_path || random() % (cube.depth < 4 ? 3 : 16) == 0)) {
+  if (cube.level == most_level || !(is_on_path || random() % (cube.level < 4 ? 3 : 16) == 0)) {
     cubes.push_back(cube);
     return;
   }
   const int next = static_cast<int>(random() % 8);
   for (int octant = 0; octant < 8; ++octant)
-    split(cube.child(octant), most_depth, is_on_path && octant == next, random, cubes);
+    split(cube.child(octant), most_level, is_on_path && octant == next, random, cubes);
 }
 
-std::vector<Cube> random_cubes(int most_depth, std::mt19937_64& random) {
-  std::vector<Cube> cubes;
-  split({}, most_depth, true, random, cubes);
+std::vector<CubeId> random_cubes(int most_level, std::mt19937_64& random) {
+  std::vector<CubeId> cubes;
+  split({}, most_level, true, random, cubes);
   return cubes;
 }
 
-std::int32_t side_of(const Cube& cube) { return kRootSide >> cube.depth; }
+std::int32_t side_of(const CubeId& cube) { return kRootSide >> cube.level; }
 
-Point low_of(const Cube& cube) {
+Point low_of(const CubeId& cube) {
   const std::int32_t side = side_of(cube);
   return {cube.x * side, cube.y * side, cube.z * side};
 }
 
 // Half of them beside a corner of some cube: there the faces are.
-Point random_point(const std::vector<Cube>& cubes, std::mt19937_64& random) {
+Point random_point(const std::vector<CubeId>& cubes, std::mt19937_64& random) {
   const auto any = [&] { return static_cast<std::int32_t>(random() % kRootSide); };
   if (random() % 2 == 0) return {any(), any(), any()};
   Point p = low_of(cubes[random() % cubes.size()]);
@@ -52,7 +52,7 @@ Point random_point(const std::vector<Cube>& cubes, std::mt19937_64& random) {
   return p;
 }
 
-bool meets(const Cube& cube, const Point& low, const Point& high) {
+bool meets(const CubeId& cube, const Point& low, const Point& high) {
   const Point from = low_of(cube);
   for (int axis = 0; axis < 3; ++axis)
     if (high[axis] < from[axis] || low[axis] >= std::int64_t{from[axis]} + side_of(cube)) return false;
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(OfDepth, BucketTrees, ::testing::Values(0, 1, 3, 7, 8, 
 TEST_P(BucketTrees, EveryPointIsInTheOneCubeThatContainsIt) {
   std::mt19937_64 random(seed());
   SCOPED_TRACE(seed());
-  const std::vector<Cube> cubes = random_cubes(GetParam(), random);
+  const std::vector<CubeId> cubes = random_cubes(GetParam(), random);
   const BucketTree tree(cubes);
   ASSERT_TRUE(std::equal(cubes.begin(), cubes.end(), tree.cubes().begin(), tree.cubes().end()));
   for (int i = 0; i < 2000; ++i) {
@@ -74,7 +74,7 @@ TEST_P(BucketTrees, EveryPointIsInTheOneCubeThatContainsIt) {
     const std::uint32_t found = tree.at(p);
     std::vector<std::uint32_t> containing;
     for (std::uint32_t c = 0; c < cubes.size(); ++c)
-      if (cubes[c].contains(p)) containing.push_back(c);
+      if (cubes[c].contains(p, geometry::kRootBits)) containing.push_back(c);
     ASSERT_EQ(containing, std::vector<std::uint32_t>{found}) << p.x << " " << p.y << " " << p.z;
   }
 }
@@ -82,7 +82,7 @@ TEST_P(BucketTrees, EveryPointIsInTheOneCubeThatContainsIt) {
 TEST_P(BucketTrees, FindTheCubesThatABoxMeets) {
   std::mt19937_64 random(seed() + 1);
   SCOPED_TRACE(seed() + 1);
-  const std::vector<Cube> cubes = random_cubes(GetParam(), random);
+  const std::vector<CubeId> cubes = random_cubes(GetParam(), random);
   const BucketTree tree(cubes);
   std::vector<std::uint32_t> met{12345};  // what was there goes
   for (int i = 0; i < 500; ++i) {
@@ -98,19 +98,6 @@ TEST_P(BucketTrees, FindTheCubesThatABoxMeets) {
     for (std::uint32_t c = 0; c < cubes.size(); ++c)
       if (meets(cubes[c], low, high)) expected.push_back(c);
     ASSERT_EQ(met, expected);
-  }
-}
-
-TEST(Cube, ChildrenTileItInTheOrderOfOctants) {
-  const Cube cube{2, 1, 3, 0};
-  for (int octant = 0; octant < 8; ++octant) {
-    const Cube child = cube.child(octant);
-    EXPECT_EQ(child.depth, 3);
-    EXPECT_TRUE(cube.contains(low_of(child)));
-    const Point from = low_of(cube);
-    const std::int32_t half = side_of(child);
-    EXPECT_EQ(low_of(child), (Point{from.x + half * (octant & 1), from.y + half * (octant >> 1 & 1),
-                                    from.z + half * (octant >> 2)}));
   }
 }
 

@@ -93,29 +93,30 @@ std::map<std::uint32_t, std::uint64_t> centroids_by_bucket(const Grouped& groupe
 }
 
 // The volumes add up: with the tree's own tests, cubes in the order of a descent tile the root.
-void expect_tiling(std::span<const Cube> cubes) {
+void expect_tiling(std::span<const CubeId> cubes) {
   long double volume = 0.0;
-  for (const Cube& cube : cubes) volume += std::ldexp(1.0L, -3 * cube.depth);
+  for (const CubeId& cube : cubes) volume += std::ldexp(1.0L, -3 * cube.level);
   EXPECT_EQ(volume, 1.0L);
 }
 
-std::vector<Cube> plan_of(const MadeUpFile& file, const Rounding& rounding, int most_depth,
-                          std::uint64_t most) {
+std::vector<CubeId> plan_of(const MadeUpFile& file, const Rounding& rounding, int most_level,
+                            std::uint64_t most) {
   const CommonFolder folder;
   const TestBuild build(folder);
   const Grouped grouped = group(build.workspace(), file);
   const BucketPlan plan =
-      plan_buckets(build.workspace(), grouped.catalog, grouped.groups, rounding, most_depth);
+      plan_buckets(build.workspace(), grouped.catalog, grouped.groups, rounding, most_level);
   const auto cubes = plan.tree.cubes();
   expect_tiling(cubes);
-  for (const Cube& cube : cubes) EXPECT_LE(cube.depth, most_depth);
+  for (const CubeId& cube : cubes) EXPECT_LE(cube.level, most_level);
   const auto counts = centroids_by_bucket(grouped, plan.tree, rounding);
   for (const auto& [bucket, count] : counts)
-    if (cubes[bucket].depth < most_depth) {
+    if (cubes[bucket].level < most_level) {
       EXPECT_LE(count, most) << bucket;
     }
   std::uint64_t hash = 0;
-  for (const Cube& cube : cubes) hash = core::mix64(hash ^ core::hash64(std::as_bytes(std::span(&cube, 1))));
+  for (const CubeId& cube : cubes)
+    hash = core::mix64(hash ^ core::hash64(std::as_bytes(std::span(&cube, 1))));
   EXPECT_EQ(world().min<std::uint64_t>(hash >> 1), world().max<std::uint64_t>(hash >> 1))
       << "all ranks have the same";
   EXPECT_GE(plan.piece_count, std::min(counts.size(), grouped.groups.size()));
@@ -123,7 +124,7 @@ std::vector<Cube> plan_of(const MadeUpFile& file, const Rounding& rounding, int 
 }
 
 TEST(BucketPlan, IsOneBucketWhereThereIsLittle) {
-  EXPECT_EQ(plan_of(random_triangles(1000, 0.0), {}, 15, kLimit), std::vector<Cube>{Cube{}});
+  EXPECT_EQ(plan_of(random_triangles(1000, 0.0), {}, 15, kLimit), std::vector<CubeId>{CubeId{}});
 }
 
 TEST(BucketPlan, KeepsBucketsOfAnEvenSpreadBelowTheLimit) {
@@ -134,14 +135,14 @@ TEST(BucketPlan, KeepsBucketsOfAnEvenSpreadBelowTheLimit) {
 TEST(BucketPlan, LooksDeeperIntoACrowd) {
   const auto cubes = plan_of(random_triangles(600'000, 1.0), {}, 25, 2 * kLimit);
   const auto deepest = std::max_element(cubes.begin(), cubes.end(),
-                                        [](const Cube& a, const Cube& b) { return a.depth < b.depth; });
-  EXPECT_GT(deepest->depth, 7) << "one pass counts no deeper";
+                                        [](const CubeId& a, const CubeId& b) { return a.level < b.level; });
+  EXPECT_GT(deepest->level, 7) << "one pass counts no deeper";
 }
 
 TEST(BucketPlan, EndsAtTheMostDepth) {
   const auto cubes = plan_of(random_triangles(300'000, 1.0), {}, 3, kLimit);
   EXPECT_LE(cubes.size(), 512U);
-  EXPECT_EQ(plan_of(random_triangles(200'000, 0.0), {}, 0, kLimit), std::vector<Cube>{Cube{}});
+  EXPECT_EQ(plan_of(random_triangles(200'000, 0.0), {}, 0, kLimit), std::vector<CubeId>{CubeId{}});
 }
 
 TEST(BucketPlan, IsOneBucketWhereEightLeavesHoldAll) {
