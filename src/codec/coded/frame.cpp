@@ -1,6 +1,8 @@
+#include "codec/coded/frame.hpp"
+
+#include <cstdlib>
 #include <numeric>
 
-#include "codec/coded/weights.hpp"
 #include "core/error.hpp"
 
 namespace colossus::codec::coded {

@@ -32,9 +32,6 @@ inline std::vector<std::uint8_t> marks_of(const std::vector<Weights>& weights) {
   return marks;
 }
 
-// Where the first three weights lead: the corners as seen from the last, in units that make them small.
-Frame frame_of(const hierarchy::Tetrahedron& tetrahedron);
-
 // A decoded position times 2^position_bits, exact in 64 bits.
 using ScaledPosition = std::array<std::int64_t, 3>;
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "codec/coded/frame.hpp"
 #include "codec/coded/places.hpp"
 #include "codec/coded/renumber.hpp"
 #include "codec/quantization/lost.hpp"

@@ -1,5 +1,4 @@
-// One decoded tetrahedron with its vertices welded by position, as an extracted cut
-// has it.
+// One decoded tetrahedron with its vertices welded by position, as an extracted cut has it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +17,7 @@ struct WeldedTetrahedron {
   std::vector<mesh::Triangle> triangles;   // of positions; none with two equal ones
 };
 
-// n log n.
+// Linear.
 WeldedTetrahedron weld_positions(const codec::coded::CodedPart& part,
                                  const hierarchy::Tetrahedron& tetrahedron);
 
