@@ -1,12 +1,13 @@
 #include "input/blocks.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/error.hpp"
-#include "input/formats.hpp"
 
 namespace colossus::input {
 
@@ -38,6 +39,14 @@ void check_vertex_count(const SourceInfo& info, std::uint64_t count) {
   if (count > std::numeric_limits<std::uint32_t>::max())
     fail(Status::kBadData, "{}: has {} vertices; at most {} (2^32 - 1) are supported per file: split it",
          info.path.string(), count, std::numeric_limits<std::uint32_t>::max());
+}
+
+void refuse_textures(const SourceInfo& info, const SourceOptions& options) {
+  if (info.textures.empty() || options.drop_textures) return;
+  fail(Status::kBadData,
+       "{}: has texture coordinates or materials ({}), which cannot be kept; transfer them to vertex "
+       "colours, or drop them with --drop-textures",
+       info.path.string(), fmt::join(info.textures, ", "));
 }
 
 void VertexCollector::add(const VertexValues& values) {

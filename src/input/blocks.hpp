@@ -12,6 +12,12 @@
 
 namespace colossus::input {
 
+// Throws Error(kBadData) when the count is 0, or too large for 32-bit indices.
+void check_vertex_count(const SourceInfo& info, std::uint64_t count);
+
+// Throws Error(kBadData) when info.textures is not empty and the options do not drop them.
+void refuse_textures(const SourceInfo& info, const SourceOptions& options);
+
 // One vertex as a text or variable-stride format yields it.
 struct VertexValues {
   std::array<double, 3> position{};

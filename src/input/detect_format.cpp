@@ -1,4 +1,5 @@
-// Which format a file has. Content decides: statues come as .ply that are STL, and as .stl of either kind.
+#include "input/detect_format.hpp"
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -6,7 +7,6 @@
 #include <utility>
 
 #include "core/error.hpp"
-#include "input/formats.hpp"
 #include "input/text_reader.hpp"
 
 namespace colossus::input {

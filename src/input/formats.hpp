@@ -39,15 +39,4 @@ extern const Format kStlFormat;
 // All of them, in the order in which they are asked.
 std::span<const Format* const> formats();
 
-// By content, then by extension. Throws Error(kBadData) for an empty file, for what is none of the formats,
-// and, saying what it is, for what is packed, UTF-16, or only stands for a file.
-const Format& detect_format(const core::File& file);
-FileStart start_of(const core::File& file);
-
-// Throws Error(kBadData) when info.textures is not empty and the options do not drop them.
-void refuse_textures(const SourceInfo& info, const SourceOptions& options);
-
-// Throws Error(kBadData) when the count is 0, or too large for 32-bit indices.
-void check_vertex_count(const SourceInfo& info, std::uint64_t count);
-
 }  // namespace colossus::input

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "input/blocks.hpp"
 #include "input/formats.hpp"
 #include "input/text_reader.hpp"
 

@@ -1,13 +1,11 @@
 #include "input/source.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "core/error.hpp"
 #include "core/file.hpp"
-#include "input/formats.hpp"
+#include "input/detect_format.hpp"
 
 namespace colossus::input {
 namespace {
@@ -43,15 +41,6 @@ void append_list(const std::filesystem::path& list, std::vector<std::filesystem:
 
 BlockSink::~BlockSink() = default;
 Source::~Source() = default;
-
-void refuse_textures(const SourceInfo& info, const SourceOptions& options) {
-  if (info.textures.empty() || options.drop_textures) return;
-  fail(Status::kBadData,
-       "{}: has texture coordinates or materials ({}), which cannot be kept; transfer them to vertex "
-       "colours, or drop them "
-       "with --drop-textures",
-       info.path.string(), fmt::join(info.textures, ", "));
-}
 
 Source::Source(core::File file, const SourceOptions& options) : options_(options), file_(std::move(file)) {
   info_.path = file_.path();

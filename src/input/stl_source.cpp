@@ -20,7 +20,7 @@
 #include "core/bytes.hpp"
 #include "core/error.hpp"
 #include "input/blocks.hpp"
-#include "input/formats.hpp"
+#include "input/detect_format.hpp"
 #include "input/text_reader.hpp"
 
 namespace colossus::input {
