@@ -1,4 +1,4 @@
-// Simplifies level by level, from the cubes of the deepest to the root's.
+// The step leaves and levels: simplifies level by level, from the cubes of the deepest to the root's.
 #pragma once
 
 #include "pipeline/blocks/node.hpp"

@@ -1,5 +1,5 @@
-// Chooses the deepest level of the octree, and puts the input's triangles into its cubes (Li 2024, section
-// 3.2.3).
+// The step partition: chooses the deepest level of the octree, and puts the input's triangles into its cubes
+// (Li 2024, section 3.2.3).
 #pragma once
 
 #include "pipeline/blocks/cube_store.hpp"

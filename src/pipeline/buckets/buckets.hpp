@@ -1,4 +1,5 @@
-// Phase 3: sends the triangles to the buckets, whose cubes a scheme then works on one by one.
+// The beginning of the step partition: sends the triangles to the buckets, whose cubes a scheme then works on
+// one by one.
 #pragma once
 
 #include "pipeline/buckets/bucket_plan.hpp"

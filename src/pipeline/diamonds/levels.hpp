@@ -1,4 +1,4 @@
-// Phases 4 and 5: encodes the leaves, then simplifies level by level from the finest to the root.
+// The step leaves and levels: encodes the leaves, then simplifies level by level from the finest to the root.
 #pragma once
 
 #include "pipeline/diamonds/node.hpp"

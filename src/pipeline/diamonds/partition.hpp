@@ -1,4 +1,4 @@
-// Phase 3: cuts the triangles exactly into the leaf tetrahedra of a conforming diamond hierarchy.
+// The step partition: cuts the triangles exactly into the leaf tetrahedra of a conforming diamond hierarchy.
 #pragma once
 
 #include <unordered_set>

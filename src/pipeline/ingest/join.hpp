@@ -1,5 +1,5 @@
-// Phase 2: puts the vertices onto the lattice, and gives each group of triangles those that it uses, without
-// ever holding all of them.
+// The join, of the steps extent and lattice: puts the vertices onto the lattice, and gives each group of
+// triangles those that it uses, without ever holding all of them.
 //
 // The join goes through scratch, in two steps. Vertices are numbered over all files and divided into ranges.
 // First each group of triangle blocks writes, for each range, the sorted numbers that it uses ("requests").

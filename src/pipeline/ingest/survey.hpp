@@ -1,4 +1,4 @@
-// Phase 1: reads every input once, checks it, and copies its blocks to scratch.
+// The step survey: reads every input once, checks it, and copies its blocks to scratch.
 #pragma once
 
 #include "pipeline/facts/catalog.hpp"

@@ -1,4 +1,4 @@
-// Phase 6: one rank puts the finished nodes into the container.
+// The step assembly: one rank puts the finished nodes into the container.
 #pragma once
 
 #include "pipeline/facts/catalog.hpp"
