@@ -14,7 +14,7 @@
 #include "simplify/components.hpp"
 #include "simplify/deviation.hpp"
 #include "simplify/merged_box.hpp"
-#include "simplify/seams.hpp"
+#include "simplify/next_borders.hpp"
 #include "simplify/survivors.hpp"
 #include "simplify/vertex_class.hpp"
 
@@ -39,7 +39,7 @@ constexpr float kPassCostFactor = 1.5F;
 // two vertices of a border that will be locked in the next simplification, when it cannot be thinned out.
 // Measured, see src/README.md.
 constexpr double kOntoLockedFactor = 0.4;
-constexpr double kAlongSeamFactor = 0.2;
+constexpr double kAlongNextBorderFactor = 0.2;
 constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
 
 // Measures the error of a collapse with geometry::Quadric, in space, or with geometry::AttributeQuadric, in
@@ -126,7 +126,7 @@ class Collapser {
     adjacency_.build(triangles(), count);
     is_touched_.assign(count, false);
     compute_quadrics();
-    seams_.find(region_);
+    next_borders_.find(region_);
     collect_candidates();
     if (candidates_.empty()) return true;
     const std::size_t rank = breadth * (live_count_ - target_) / 2;
@@ -228,7 +228,7 @@ class Collapser {
     double cost = quadrics_[a].at(place) + quadrics_[b].at(place);
     if (region_.may_place) return cost;
     if ((faces(b) & region_.outer_faces) != 0) cost *= kOntoLockedFactor;
-    if (seams_.has(a) && seams_.has(b)) cost *= kAlongSeamFactor;
+    if (next_borders_.has(a) && next_borders_.has(b)) cost *= kAlongNextBorderFactor;
     return cost;
   }
 
@@ -490,7 +490,7 @@ class Collapser {
   std::vector<Vec3> positions_;
   double color_unit_ = 0.0;  // lattice units per step of a colour
   std::vector<Quadric> quadrics_;
-  Seams seams_;
+  NextBorders next_borders_;
   std::vector<Candidate> candidates_;
   double cost_limit_ = 0.0;  // of the pass
   std::vector<Candidate> sorted_;

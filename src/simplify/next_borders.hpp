@@ -1,4 +1,4 @@
-// Where a region will be parted in the next simplification.
+// Where a region will be parted when it is simplified for the next level.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace colossus::simplify {
 
-// The vertices whose triangles will be in different regions: all of these will then be locked.
-class Seams {
+// The vertices whose triangles will be in different regions then: all of these will be locked.
+class NextBorders {
  public:
   // Of the region's live triangles. Linear; nothing where the next regions are not known.
   void find(const Region& region) {
