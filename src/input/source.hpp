@@ -45,9 +45,10 @@
 
 namespace colossus::input {
 
-// No block holds more vertices or triangles than this.
+// No input block holds more vertices or triangles than this.
 inline constexpr std::size_t kBlockElements = std::size_t{1} << 17;
 
+// An input block of vertices.
 struct VertexBlock {
   std::vector<std::array<double, 3>> positions;
   std::vector<std::array<float, 3>> normals;  // empty, or one per position
@@ -62,6 +63,7 @@ struct Polygon {
   friend bool operator==(const Polygon&, const Polygon&) = default;
 };
 
+// An input block of triangles.
 struct TriangleBlock {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // vertex indices from 0 within the file
   std::vector<Polygon> polygons;                        // ascending; never cut by the end of a block

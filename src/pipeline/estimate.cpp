@@ -24,7 +24,9 @@ constexpr double kOutputMargin = 1.28;  // noise counts
 
 // How much of the triangles' order is without locality, from the vertices that a block of triangles has per
 // triangle.
-double far_share(double block_vertices) { return std::clamp((block_vertices - 0.7) / (2.9 - 0.7), 0.0, 1.0); }
+double far_share(double vertices_per_triangle) {
+  return std::clamp((vertices_per_triangle - 0.7) / (2.9 - 0.7), 0.0, 1.0);
+}
 
 class Estimator {
  public:
@@ -35,7 +37,7 @@ class Estimator {
         needs_(scheme_named(options.scheme).estimate(options, catalog, occupancy)),
         triangles_(static_cast<double>(catalog.counts.triangles)),
         vertices_(static_cast<double>(catalog.counts.vertices)),
-        far_share_(far_share(static_cast<double>(catalog.block_vertices) / triangles_)) {}
+        far_share_(far_share(static_cast<double>(catalog.input_block_vertices) / triangles_)) {}
 
   run::BuildEstimate run(std::uint64_t resident_bytes) const {
     run::BuildEstimate needs;

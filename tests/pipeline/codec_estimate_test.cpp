@@ -15,7 +15,7 @@ double estimated_output(const facts::BuildOptions& options, bool has_colors) {
   facts::Catalog catalog;
   catalog.counts.triangles = static_cast<std::uint64_t>(kTriangles);
   catalog.counts.vertices = catalog.counts.triangles / 2;
-  catalog.block_vertices = catalog.counts.triangles;
+  catalog.input_block_vertices = catalog.counts.triangles;
   catalog.has_colors = has_colors;
   const ingest::Occupancy occupancy{{{{1, 2, 3}, 0, static_cast<std::uint32_t>(kTriangles / 2)}}};
   return static_cast<double>(estimate(options, catalog, occupancy, 0).output_bytes);

@@ -17,7 +17,7 @@ facts::Catalog catalog_of(std::uint64_t triangles) {
   facts::Catalog catalog;
   catalog.counts.triangles = triangles;
   catalog.counts.vertices = triangles / 2 + 2;
-  catalog.block_vertices = triangles * 6 / 10;
+  catalog.input_block_vertices = triangles * 6 / 10;
   return catalog;
 }
 
@@ -67,7 +67,7 @@ TEST_P(Estimates, ArePositiveForAnyInputAndEveryOption) {
     catalog.counts.triangles = 1 + (random() >> (26 + random() % 38));
     catalog.counts.vertices = 3 + (random() >> (26 + random() % 38));
     catalog.counts.polygons = random() % (catalog.counts.triangles + 1);
-    catalog.block_vertices = random() % (3 * catalog.counts.triangles + 1);
+    catalog.input_block_vertices = random() % (3 * catalog.counts.triangles + 1);
     catalog.has_normals = random() % 2 == 0;
     catalog.has_colors = random() % 2 == 0;
     catalog.has_face_colors = catalog.has_colors && random() % 2 == 0;
@@ -110,11 +110,12 @@ TEST_P(Estimates, GrowWithWhatTheInputHas) {
   const facts::Catalog plain = catalog_of(5'000'000);
   const run::BuildEstimate least = estimate_of(options(), plain);
   using Change = void (*)(facts::Catalog&);
-  for (const Change change : {Change{[](facts::Catalog& c) { c.has_colors = true; }},
-                              Change{[](facts::Catalog& c) { c.has_normals = true; }},
-                              Change{[](facts::Catalog& c) { c.has_colors = c.has_face_colors = true; }},
-                              Change{[](facts::Catalog& c) { c.counts.polygons = 2'500'000; }},
-                              Change{[](facts::Catalog& c) { c.block_vertices = 3 * c.counts.triangles; }}}) {
+  for (const Change change :
+       {Change{[](facts::Catalog& c) { c.has_colors = true; }},
+        Change{[](facts::Catalog& c) { c.has_normals = true; }},
+        Change{[](facts::Catalog& c) { c.has_colors = c.has_face_colors = true; }},
+        Change{[](facts::Catalog& c) { c.counts.polygons = 2'500'000; }},
+        Change{[](facts::Catalog& c) { c.input_block_vertices = 3 * c.counts.triangles; }}}) {
     facts::Catalog more = plain;
     change(more);
     const run::BuildEstimate needs = estimate_of(options(), more);
@@ -124,7 +125,7 @@ TEST_P(Estimates, GrowWithWhatTheInputHas) {
   }
   facts::Catalog shuffled = plain;
   shuffled.has_colors = shuffled.has_face_colors = true;
-  shuffled.block_vertices = 3 * shuffled.counts.triangles;
+  shuffled.input_block_vertices = 3 * shuffled.counts.triangles;
   const run::BuildEstimate most = estimate_of(options(), shuffled);
   EXPECT_GT(most.memory_bytes_per_rank, least.memory_bytes_per_rank);
   EXPECT_GT(most.scratch_bytes, least.scratch_bytes);

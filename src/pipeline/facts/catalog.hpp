@@ -38,7 +38,7 @@ struct RawTrianglesHeader {
   std::uint32_t color_readings = 0;
 };
 
-// Consecutive vertices of all files, numbered through.
+// An input block of vertices in scratch: consecutive ones of all files, numbered through.
 struct VertexBlockRef {
   std::uint32_t file = 0;
   std::uint32_t count = 0;
@@ -47,6 +47,7 @@ struct VertexBlockRef {
   scratch::RecordRef record;
 };
 
+// An input block of triangles in scratch.
 struct TriangleBlockRef {
   std::uint32_t file = 0;
   std::uint32_t count = 0;
@@ -116,9 +117,9 @@ struct Catalog {
   // On the lattice, of what is left of the input; in square lattice units, so that it cannot overflow.
   double area = 0.0;
   InputCounts counts;
-  // Vertices that a block of triangles has, roughly, summed over the blocks: about half as many as triangles
-  // where their order is that of space, and up to three times as many. On rank 0.
-  std::uint64_t block_vertices = 0;
+  // Vertices that an input block of triangles has, roughly, summed over these blocks: about half as many as
+  // triangles where their order is that of space, and up to three times as many. On rank 0.
+  std::uint64_t input_block_vertices = 0;
   bool has_normals = false;  // at least one file has them; the others' are computed
   bool has_colors = false;   // at least one file has them; the others become white
   bool has_face_colors = false;

@@ -2,6 +2,8 @@
 
 #include <xxhash.h>
 
+#include <cmath>
+
 #include "cluster/stop.hpp"
 #include "core/file.hpp"
 #include "core/log.hpp"
@@ -68,7 +70,7 @@ class DistinctCounter {
 };
 
 struct PartCounts {
-  std::uint64_t block_vertices = 0;
+  std::uint64_t input_block_vertices = 0;
   std::uint64_t is_uniform = 1;  // 0: faces are not all triangles, the file must be read sequentially
   input::Remarks remarks;
 };
@@ -114,12 +116,12 @@ class ScratchSink : public input::BlockSink {
     triangle_blocks.push_back(ref);
     workspace_.reporter.add_triangles(ref.count);
     if (!block.colors.empty()) {
-      counts.block_vertices += 3 * block.triangles.size();  // load_group() gives each corner a vertex
+      counts.input_block_vertices += 3 * block.triangles.size();  // load_group() gives each corner a vertex
       return;
     }
     for (const mesh::Triangle& t : block.triangles)
       for (const auto v : t) distinct_.add(v);
-    counts.block_vertices += distinct_.take();
+    counts.input_block_vertices += distinct_.take();
   }
 
   void remarks(const input::Remarks& remarks) override { counts.remarks.merge(remarks); }
@@ -239,7 +241,7 @@ class Survey {
     ByteReader reader(result);
     const auto part = reader.get<PartCounts>();
     (task.part.kind == input::PartKind::kFaces ? face_remarks_ : remarks_)[task.file].merge(part.remarks);
-    catalog_.block_vertices += part.block_vertices;
+    catalog_.input_block_vertices += part.input_block_vertices;
     if (part.is_uniform == 0) is_irregular_[task.file] = true;
     const auto vertex_blocks = reader.get_array<facts::VertexBlockRef>(reader.get<std::size_t>());
     catalog_.vertex_blocks.insert(catalog_.vertex_blocks.end(), vertex_blocks.begin(), vertex_blocks.end());

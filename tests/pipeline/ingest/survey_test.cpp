@@ -216,7 +216,7 @@ TEST(Survey, CountsTheVerticesThatBlocksUse) {
     const TestBuild build(folder, options);
     const facts::Catalog catalog = survey(build.workspace());
     if (world().is_root()) {
-      EXPECT_NEAR(static_cast<double>(catalog.block_vertices), vertices, 0.05 * vertices);
+      EXPECT_NEAR(static_cast<double>(catalog.input_block_vertices), vertices, 0.05 * vertices);
     }
   }
 }
