@@ -14,10 +14,10 @@ using core::Bytes;
 using hierarchy::BlockId;
 using hierarchy::CubeId;
 
-class BlockLevelBuilder {
+class LevelBuilder {
  public:
-  BlockLevelBuilder(const run::Workspace& workspace, const NodeSettings& settings, Partition&& partition,
-                    const facts::Catalog& catalog)
+  LevelBuilder(const run::Workspace& workspace, const NodeSettings& settings, Partition&& partition,
+               const facts::Catalog& catalog)
       : workspace_(workspace), driver_(workspace), settings_(settings), catalog_(catalog) {
     driver_.finished().lattice = {settings.lattice.origin, settings.lattice.step * settings.grid.spacing(),
                                   settings.grid.root_bits()};
@@ -66,8 +66,8 @@ class BlockLevelBuilder {
     return blocks;
   }
 
-  BlockTask make_task(const PlannedBlock& planned) const {
-    BlockTask task;
+  NodeTask make_task(const PlannedBlock& planned) const {
+    NodeTask task;
     task.block = planned.block;
     for (const auto i : planned.cubes) task.cubes.push_back(cubes_[i]);
     for (const CubeId& id : around(task)) {
@@ -80,7 +80,7 @@ class BlockLevelBuilder {
   }
 
   // The places of cubes of other blocks that touch one of the task's, in order.
-  std::vector<CubeId> around(const BlockTask& task) const {
+  std::vector<CubeId> around(const NodeTask& task) const {
     std::vector<CubeId> around;
     for (const BlockCube& cube : task.cubes)
       for (int dz = -1; dz <= 1; ++dz)
@@ -102,13 +102,13 @@ class BlockLevelBuilder {
     level.name = fmt::format("level {}", number);
     for (std::size_t i = 0; i < blocks.size(); ++i) level.tasks.push_back({i, blocks[i].triangles});
     level.task_name = "a block";
-    level.task_bytes = [&](std::uint64_t triangles) { return block_bytes(settings_, triangles); };
+    level.task_bytes = [&](std::uint64_t triangles) { return task_bytes(settings_, triangles); };
     level.make = [&](std::size_t i) { return make_task(blocks[i]).to_bytes(); };
     level.work = [&](std::span<const std::byte> bytes) {
-      return build_block(workspace_, settings_, BlockTask::from_bytes(bytes)).to_bytes();
+      return build_block(workspace_, settings_, NodeTask::from_bytes(bytes)).to_bytes();
     };
     level.take = [&](std::span<const std::byte> bytes) {
-      BlockResult result = BlockResult::from_bytes(bytes);
+      NodeResult result = NodeResult::from_bytes(bytes);
       parents.insert(parents.end(), result.parents.begin(), result.parents.end());
       if (number > 0) driver_.finished().add(static_cast<std::uint32_t>(number - 1), result.statistics);
       sigma_ = std::max(sigma_, in_cubes(result.farthest_parent, number + 1));
@@ -138,7 +138,7 @@ class BlockLevelBuilder {
 
 facts::FinishedNodes build_levels(const run::Workspace& workspace, const NodeSettings& settings,
                                   Partition&& partition, const facts::Catalog& catalog) {
-  return BlockLevelBuilder(workspace, settings, std::move(partition), catalog).run();
+  return LevelBuilder(workspace, settings, std::move(partition), catalog).run();
 }
 
 }  // namespace colossus::pipeline::blocks

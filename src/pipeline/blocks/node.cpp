@@ -32,7 +32,7 @@ std::int64_t reach_of(int level) {
 // The cubes of a block as one welded mesh, and the parents that its parts go to.
 class Block {
  public:
-  Block(const run::Workspace& workspace, const NodeSettings& settings, const BlockTask& task)
+  Block(const run::Workspace& workspace, const NodeSettings& settings, const NodeTask& task)
       : workspace_(workspace), settings_(settings), task_(task) {
     for (const BlockCube& cube : task.cubes) {
       contents_.push_back(nodes::load(workspace, cube.record.mesh));
@@ -42,7 +42,7 @@ class Block {
     }
   }
 
-  BlockResult run() {
+  NodeResult run() {
     const int level = task_.block.level;
     if (level == 0) return encode_all(std::move(result_));
     weld();
@@ -193,7 +193,7 @@ class Block {
     }
   }
 
-  BlockResult encode_all(BlockResult&& result) {
+  NodeResult encode_all(NodeResult&& result) {
     std::size_t base = 0;
     for (std::size_t c = 0; c < contents_.size(); ++c) {
       const std::size_t count = contents_[c].mesh.vertices.size();
@@ -248,7 +248,7 @@ class Block {
 
   const run::Workspace& workspace_;
   const NodeSettings& settings_;
-  const BlockTask& task_;
+  const NodeTask& task_;
   std::vector<nodes::SampledMesh> contents_;  // by cube
   double error_ = 0.0;
   double displacement_ = 0.0;  // see CubeRecord
@@ -257,12 +257,12 @@ class Block {
   simplify::Region region_;
   std::vector<std::uint32_t> representative_;  // per vertex of the region before: the one after
   std::vector<std::uint32_t> indices_;         // per vertex of all cubes: within its parent cube
-  BlockResult result_;
+  NodeResult result_;
 };
 
 }  // namespace
 
-Bytes BlockTask::to_bytes() const {
+Bytes NodeTask::to_bytes() const {
   ByteWriter writer;
   writer.put(block);
   writer.put(std::uint64_t{cubes.size()});
@@ -271,9 +271,9 @@ Bytes BlockTask::to_bytes() const {
   return writer.take();
 }
 
-BlockTask BlockTask::from_bytes(std::span<const std::byte> bytes) {
+NodeTask NodeTask::from_bytes(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
-  BlockTask task;
+  NodeTask task;
   task.block = reader.get<hierarchy::BlockId>();
   const auto count = reader.get<std::uint64_t>();
   task.cubes = reader.get_array<BlockCube>(count);
@@ -282,7 +282,7 @@ BlockTask BlockTask::from_bytes(std::span<const std::byte> bytes) {
   return task;
 }
 
-Bytes BlockResult::to_bytes() const {
+Bytes NodeResult::to_bytes() const {
   ByteWriter writer;
   writer.put(std::array<std::uint64_t, 2>{nodes.size(), parents.size()});
   writer.put(statistics);
@@ -292,10 +292,10 @@ Bytes BlockResult::to_bytes() const {
   return writer.take();
 }
 
-BlockResult BlockResult::from_bytes(std::span<const std::byte> bytes) {
+NodeResult NodeResult::from_bytes(std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
   const auto counts = reader.get<std::array<std::uint64_t, 2>>();
-  BlockResult result;
+  NodeResult result;
   result.statistics = reader.get<facts::NodeStatistics>();
   result.farthest_parent = reader.get<std::int64_t>();
   result.nodes = reader.get_array<facts::FinishedNode>(counts[0]);
@@ -304,12 +304,11 @@ BlockResult BlockResult::from_bytes(std::span<const std::byte> bytes) {
   return result;
 }
 
-std::uint64_t block_bytes(const NodeSettings& settings, std::uint64_t triangles) {
+std::uint64_t task_bytes(const NodeSettings& settings, std::uint64_t triangles) {
   return (settings.has_colors && settings.color_weight > 0.0 ? 360 : 290) * triangles;
 }
 
-BlockResult build_block(const run::Workspace& workspace, const NodeSettings& settings,
-                        const BlockTask& task) {
+NodeResult build_block(const run::Workspace& workspace, const NodeSettings& settings, const NodeTask& task) {
   return Block(workspace, settings, task).run();
 }
 

@@ -8,28 +8,30 @@
 
 namespace colossus::pipeline::blocks {
 
+// A node as its task takes it.
 struct BlockCube {
   CubeRecord record;
   double error = 0.0;  // world units
 };
 
-struct BlockTask {
+// The nodes of one block.
+struct NodeTask {
   hierarchy::BlockId block;
   std::vector<BlockCube> cubes;          // of one level, in order
   std::vector<scratch::RecordRef> rims;  // of the cubes around the block
 
   core::Bytes to_bytes() const;
-  static BlockTask from_bytes(std::span<const std::byte> bytes);
+  static NodeTask from_bytes(std::span<const std::byte> bytes);
 };
 
-struct BlockResult {
+struct NodeResult {
   std::vector<facts::FinishedNode> nodes;  // the task's cubes
   std::vector<BlockCube> parents;          // none of level 0
   facts::NodeStatistics statistics;        // of making the parents
   std::int64_t farthest_parent = 0;        // of a vertex, in the maximum norm, on the lattice of 2^30
 
   core::Bytes to_bytes() const;
-  static BlockResult from_bytes(std::span<const std::byte> bytes);
+  static NodeResult from_bytes(std::span<const std::byte> bytes);
 };
 
 // What all blocks of a build share.
@@ -51,12 +53,12 @@ struct NodeSettings {
 };
 
 // An upper estimate of the memory of build_block() for so many triangles of its cubes.
-std::uint64_t block_bytes(const NodeSettings& settings, std::uint64_t triangles);
+std::uint64_t task_bytes(const NodeSettings& settings, std::uint64_t triangles);
 
 // Simplifies the block to a quarter of its triangles with its border locked, splits the result into the
 // parents along the map, and encodes the cubes with the map to their parents' vertices (Li 2024,
 // sections 3.2.4 and 3.2.5). Cubes of level 0 are only encoded. Not collective; this is where the time of a
 // build goes.
-BlockResult build_block(const run::Workspace& workspace, const NodeSettings& settings, const BlockTask& task);
+NodeResult build_block(const run::Workspace& workspace, const NodeSettings& settings, const NodeTask& task);
 
 }  // namespace colossus::pipeline::blocks

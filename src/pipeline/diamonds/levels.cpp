@@ -161,7 +161,7 @@ class LevelBuilder {
     level.name = name;
     level.tasks = std::move(tasks);
     level.task_name = "a diamond";
-    level.task_bytes = node_bytes;
+    level.task_bytes = task_bytes;
     level.make = [&](std::size_t index) { return make(index).to_bytes(); };
     level.work = [&](std::span<const std::byte> bytes) {
       return build_node(workspace_, settings_, NodeTask::from_bytes(bytes)).to_bytes();

@@ -50,7 +50,7 @@ struct NodeSettings {
 };
 
 // An upper estimate of the memory of build_node() for so many triangles of its parts.
-std::uint64_t node_bytes(std::uint64_t triangles);
+std::uint64_t task_bytes(std::uint64_t triangles);
 
 // Simplifies (unless it is a leaf), quantises, encodes and packs one node; appends chunk and tetrahedra to
 // scratch. Not collective; this is where the time of a build goes.
