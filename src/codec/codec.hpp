@@ -12,10 +12,13 @@
 
 namespace colossus::codec {
 
+// The position bits of the measurements below.
+inline constexpr int kMeasuredPositionBits = 12;
+
 // What a codec's payloads take in a container, in bytes per triangle of a large node: measured on statues, so
 // that a build can be estimated.
 struct MeasuredBytes {
-  double triangle = 0.0;     // with colours and positions of 12 bits
+  double triangle = 0.0;     // with colours and positions of kMeasuredPositionBits
   double finer_bit = 0.0;    // more for each bit beyond these
   double coarser_bit = 0.0;  // less for each bit short of them
   double color = 0.0;        // less without colours

@@ -33,6 +33,11 @@
 
 namespace colossus::simplify {
 
+// Memory of simplify(), bytes per triangle of the region: fitted to builds of statues (src/README.md). What
+// the caller keeps beside the region is not in it. Where colours are weighed, quadrics are larger.
+inline constexpr std::uint64_t kBytesPerTriangle = 250;
+inline constexpr std::uint64_t kBytesPerWeighedTriangle = 320;
+
 struct Outcome {
   std::uint64_t initial_triangles = 0;
   std::uint64_t final_triangles = 0;  // at most the target, or what the constraints left
@@ -48,8 +53,8 @@ struct Outcome {
 // Reduces the region to at most `target_triangles`, as far as it can, and updates its samples. Vertices left
 // keep their order. Without `may_place` every vertex that has not collapsed is left, even if no triangle uses
 // it, so that `representative` always names one; with `may_place` every vertex given must have a triangle.
-// A finite reach needs `may_place` to be false. One to two million triangles per second; memory some 250
-// bytes per triangle, 320 when colours are weighed. Deterministic.
+// A finite reach needs `may_place` to be false. One to two million triangles per second; memory
+// kBytesPerTriangle, or kBytesPerWeighedTriangle when colours are weighed. Deterministic.
 Outcome simplify(Region& region, std::size_t target_triangles);
 
 }  // namespace colossus::simplify

@@ -304,8 +304,15 @@ NodeResult NodeResult::from_bytes(std::span<const std::byte> bytes) {
   return result;
 }
 
+std::uint64_t bytes_per_triangle(bool weighs_colors) {
+  // What the cubes' meshes and the maps between vertices add to what simplify() takes; fitted likewise.
+  constexpr std::uint64_t kCubeBytesPerTriangle = 40;
+  return kCubeBytesPerTriangle +
+         (weighs_colors ? simplify::kBytesPerWeighedTriangle : simplify::kBytesPerTriangle);
+}
+
 std::uint64_t task_bytes(const NodeSettings& settings, std::uint64_t triangles) {
-  return (settings.has_colors && settings.color_weight > 0.0 ? 360 : 290) * triangles;
+  return bytes_per_triangle(settings.has_colors && settings.color_weight > 0.0) * triangles;
 }
 
 NodeResult build_block(const run::Workspace& workspace, const NodeSettings& settings, const NodeTask& task) {

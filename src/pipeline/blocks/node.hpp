@@ -52,7 +52,9 @@ struct NodeSettings {
   }
 };
 
-// An upper estimate of the memory of build_block() for so many triangles of its cubes.
+// An upper estimate of the memory of build_block(), per triangle of its cubes, and for so many of them: the
+// meshes of the cubes stay while their region is simplified.
+std::uint64_t bytes_per_triangle(bool weighs_colors);
 std::uint64_t task_bytes(const NodeSettings& settings, std::uint64_t triangles);
 
 // Simplifies the block to a quarter of its triangles with its border locked, splits the result into the

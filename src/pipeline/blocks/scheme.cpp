@@ -23,6 +23,12 @@ int deepest_level(const facts::BuildOptions& options, const facts::Catalog& cata
   return options.levels.value_or(level);
 }
 
+// Of builds of statues of 0.1 to 6 million triangles, see src/README.md.
+constexpr double kMapBytes = 0.2;  // of the output, per stored triangle: the map to the parents
+// Of scratch, while levels are made.
+constexpr double kMeshBytes = 48.0;    // of meshes, per triangle of the input
+constexpr double kSampleBytes = 14e3;  // of the samples, per cube of the deepest level
+
 nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catalog& catalog,
                           const ingest::Occupancy& occupancy) {
   const auto triangles = static_cast<double>(catalog.counts.triangles);
@@ -30,11 +36,13 @@ nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catal
   const int level = deepest_level(options, catalog, occupancy);
   const double most = occupancy.most_in_block(level, options.block_size.value_or(kDefaultBlockSize));
   nodes::NodeNeeds needs;
-  needs.task_bytes = 330.0 * most / std::max(vertices, 1.0) * triangles;
-  needs.stored_triangles = 4.0 / 3.0;
+  const bool weighs_colors = catalog.has_colors && options.color_weight > 0.0;
+  needs.task_bytes =
+      static_cast<double>(bytes_per_triangle(weighs_colors)) * most / std::max(vertices, 1.0) * triangles;
+  needs.stored_triangles = 4.0 / 3.0;  // each level has a quarter of the next
   needs.node_triangles = triangles / occupancy.cubes_at(level);
-  needs.more_bytes = 0.2;  // the map to the parents
-  needs.scratch_bytes = 48.0 + 14e3 / static_cast<double>(options.leaf_triangles);
+  needs.more_bytes = kMapBytes;
+  needs.scratch_bytes = kMeshBytes + kSampleBytes / static_cast<double>(options.leaf_triangles);
   return needs;
 }
 

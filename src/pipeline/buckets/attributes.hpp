@@ -1,5 +1,5 @@
-// The end of the step lattice: gives every position of the mesh its normal and colour, each in the bucket that
-// owns it.
+// The end of the step lattice: gives every position of the mesh its normal and colour, each in the bucket
+// that owns it.
 #pragma once
 
 #include "pipeline/buckets/bucket_mesh.hpp"

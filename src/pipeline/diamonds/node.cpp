@@ -129,7 +129,7 @@ NodeResult NodeResult::from_bytes(std::span<const std::byte> bytes) {
   return result;
 }
 
-std::uint64_t task_bytes(std::uint64_t triangles) { return 250 * triangles; }
+std::uint64_t task_bytes(std::uint64_t triangles) { return simplify::kBytesPerTriangle * triangles; }
 
 NodeResult build_node(const run::Workspace& workspace, const NodeSettings& settings, const NodeTask& task) {
   const Diamond diamond = Diamond::at(task.center);

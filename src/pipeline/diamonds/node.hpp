@@ -49,7 +49,8 @@ struct NodeSettings {
   double input_error = 0.0;  // world units, by which the lattice moved the input
 };
 
-// An upper estimate of the memory of build_node() for so many triangles of its parts.
+// An upper estimate of the memory of build_node() for so many triangles of its parts: these are freed once
+// they have become a region, and then that is simplified.
 std::uint64_t task_bytes(std::uint64_t triangles);
 
 // Simplifies (unless it is a leaf), quantises, encodes and packs one node; appends chunk and tetrahedra to

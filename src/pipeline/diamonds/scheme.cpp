@@ -81,8 +81,10 @@ void log_partition(const cluster::Communicator& ranks, const facts::Catalog& cat
             partition.leaves.size(), peak >> 20);
 }
 
-// All triangles of all nodes, per triangle of the input. A few tetrahedra have many coarse nodes above them.
+// All triangles of all nodes, per triangle of the input, measured by the number of leaves: a few tetrahedra
+// have many coarse nodes above them.
 double stored_triangles(double leaves) {
+  constexpr double kOfManyLeaves = 2.5;
   static constexpr std::array<std::pair<double, double>, 6> kMeasured{
       {{1, 1.2}, {6, 2.0}, {8, 3.9}, {16, 3.7}, {50, 2.9}, {250, 2.6}}};
   for (std::size_t i = 1; i < kMeasured.size(); ++i) {
@@ -90,20 +92,29 @@ double stored_triangles(double leaves) {
     const auto [end, high] = kMeasured[i];
     if (leaves < end) return low + (high - low) * std::log(leaves / begin) / std::log(end / begin);
   }
-  return 2.5;
+  return kOfManyLeaves;
 }
+
+// Of builds of statues of 0.1 to 6 million triangles, see src/README.md.
+constexpr double kLeavesPerTask = 6.8;  // triangles of the largest task, in full leaves
+// Of scratch, while levels are made.
+constexpr double kMeshBytes = 57.0;       // of meshes, per triangle of the input
+constexpr double kSampleBytes = 82e3;     // of the samples of all tetrahedra, per leaf
+constexpr double kFewNodesBytes = 2.2e6;  // what a hierarchy of few nodes has more, in all,
+constexpr double kMostFewNodes = 23.0;    // and at most per triangle of the input
+constexpr double kKeptOutput = 0.7;       // the share of the nodes that is made by then
 
 nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catalog& catalog,
                           const ingest::Occupancy&) {
   const auto triangles = static_cast<double>(catalog.counts.triangles);
   const auto leaf = static_cast<double>(options.leaf_triangles);
   nodes::NodeNeeds needs;
-  needs.task_bytes = 1700.0 * std::min(leaf, triangles);
+  needs.task_bytes = kLeavesPerTask * static_cast<double>(task_bytes(1)) * std::min(leaf, triangles);
   needs.stored_triangles = stored_triangles(std::max(triangles / leaf, 1.0));
   needs.node_triangles = leaf;
-  // The levels' meshes, their samples, and what few nodes have more of.
-  needs.scratch_bytes = 57.0 + 82e3 / leaf + std::min(2.2e6 / triangles, 23.0);
-  needs.kept_output = 0.7;
+  needs.scratch_bytes =
+      kMeshBytes + kSampleBytes / leaf + std::min(kFewNodesBytes / triangles, kMostFewNodes);
+  needs.kept_output = kKeptOutput;
   return needs;
 }
 

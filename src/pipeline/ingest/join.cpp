@@ -30,13 +30,9 @@ constexpr std::uint64_t kCornersPerLook = 4096;
 constexpr int kCornerBits = 21;
 static_assert(3 * (kMostGroup + input::kBlockElements) <= std::uint64_t{1} << kCornerBits);
 
-std::uint64_t range_size(const facts::Catalog& catalog) {
-  return std::clamp(std::bit_ceil(catalog.counts.vertices / kTasks + 1), kLeastRange, kMostRange);
-}
-
 // The triangle blocks of each group: from begins[i] up to begins[i + 1].
 std::vector<std::size_t> group_begins(const facts::Catalog& catalog) {
-  const std::uint64_t least = std::clamp(catalog.counts.triangles / kTasks, kLeastGroup, kMostGroup);
+  const std::uint64_t least = group_size(catalog);
   std::vector<std::size_t> begins{0};
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < catalog.triangle_blocks.size(); ++i) {
@@ -281,6 +277,14 @@ Bytes answer_range(const run::Workspace& workspace, const facts::Catalog& catalo
 }
 
 }  // namespace
+
+std::uint64_t group_size(const facts::Catalog& catalog) {
+  return std::clamp(catalog.counts.triangles / kTasks, kLeastGroup, kMostGroup);
+}
+
+std::uint64_t range_size(const facts::Catalog& catalog) {
+  return std::clamp(std::bit_ceil(catalog.counts.vertices / kTasks + 1), kLeastRange, kMostRange);
+}
 
 RequestedRanges::RequestedRanges(const facts::Catalog& catalog, const std::vector<TriangleGroup>& groups)
     : groups_(groups) {

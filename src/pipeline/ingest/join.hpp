@@ -22,7 +22,7 @@ struct VertexSlice {
   scratch::RecordRef record;  // the request, then the answer
 };
 
-// Consecutive blocks of triangles, and all their vertices.
+// Consecutive input blocks of triangles, and all their vertices.
 struct TriangleGroup {
   std::uint64_t triangle_count = 0;
   std::uint64_t polygon_count = 0;
@@ -30,9 +30,13 @@ struct TriangleGroup {
   std::vector<VertexSlice> slices;
 };
 
+// A group has at least so many triangles, if there are, and less than an input block more; a range has so
+// many vertices. Neither depends on the ranks or on memory.
+std::uint64_t group_size(const facts::Catalog& catalog);
+std::uint64_t range_size(const facts::Catalog& catalog);
+
 // First step: the groups with their requests. They are in the order of the input's faces, on rank 0 only: 32
-// bytes for each group and range that it uses. Neither groups nor ranges depend on the ranks or on memory.
-// Some 100 MB at most on any rank. Collective.
+// bytes for each group and range that it uses. Some 100 MB at most on any rank. Collective.
 std::vector<TriangleGroup> request_vertices(const run::Workspace& workspace, const facts::Catalog& catalog);
 
 // Second step, once the lattice is set: requests become answers. Collective.
