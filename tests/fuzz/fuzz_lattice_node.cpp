@@ -17,15 +17,15 @@ void expect(bool condition) {
 }
 
 void expect_valid(const codec::coded::CodedNode& node) {
-  const codec::coded::CodedPart& cube = node.parts[0];
-  const std::size_t count = cube.positions.size();
+  const codec::coded::CodedPart& part = node.parts[0];
+  const std::size_t count = part.positions.size();
   for (const geometry::Point& p : lattice_positions(node))
     for (int axis = 0; axis < 3; ++axis) expect(p[axis] >= -geometry::kRootSide);
-  expect(cube.normals.size() == (node.has_normals ? count : 0));
-  expect(cube.colors.size() == (node.has_colors ? count : 0));
-  expect(cube.parents.size() == (node.has_parents ? count : 0));
+  expect(part.normals.size() == (node.has_normals ? count : 0));
+  expect(part.colors.size() == (node.has_colors ? count : 0));
+  expect(part.parents.size() == (node.has_parents ? count : 0));
   std::uint32_t next = 0;
-  for (const mesh::Triangle& t : cube.triangles)
+  for (const mesh::Triangle& t : part.triangles)
     for (const std::uint32_t v : t) {
       expect(v < count && v <= next);
       next += v == next ? 1 : 0;
