@@ -12,9 +12,10 @@
 namespace colossus::verify::measure {
 namespace {
 
-constexpr std::size_t kLeafTriangles = 6;     // at most, in a leaf of the tree
-constexpr int kParallelDepth = 3;             // levels of the tree whose halves are built side by side
-constexpr std::size_t kDistanceBlock = 1024;  // samples per task; sums are added in the order of blocks
+constexpr std::size_t kLeafTriangles = 6;  // at most, in a leaf of the tree
+constexpr int kParallelDepth = 3;          // levels of the tree whose halves are built side by side
+constexpr std::size_t kDistanceRun =
+    1024;  // samples of one thread at a time; sums are added in the order of runs
 
 WorldPoint operator-(const WorldPoint& a, const WorldPoint& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -119,21 +120,21 @@ struct Sums {
 };
 
 Sums measure(const std::vector<WorldPoint>& samples, const SurfaceIndex& index) {
-  std::vector<Sums> blocks((samples.size() + kDistanceBlock - 1) / kDistanceBlock);
-  reader::access::parallel_for(blocks.size(), [&](std::size_t block) {
+  std::vector<Sums> runs((samples.size() + kDistanceRun - 1) / kDistanceRun);
+  reader::access::parallel_for(runs.size(), [&](std::size_t run) {
     std::uint32_t near = 0;
-    const std::size_t end = std::min(samples.size(), (block + 1) * kDistanceBlock);
-    for (std::size_t i = block * kDistanceBlock; i < end; ++i) {
+    const std::size_t end = std::min(samples.size(), (run + 1) * kDistanceRun);
+    for (std::size_t i = run * kDistanceRun; i < end; ++i) {
       const auto found = index.nearest(samples[i], near);
       near = found.triangle;
-      blocks[block].squares += found.distance * found.distance;
-      blocks[block].max = std::max(blocks[block].max, found.distance);
+      runs[run].squares += found.distance * found.distance;
+      runs[run].max = std::max(runs[run].max, found.distance);
     }
   });
   Sums sums;
-  for (const Sums& block : blocks) {
-    sums.squares += block.squares;
-    sums.max = std::max(sums.max, block.max);
+  for (const Sums& run : runs) {
+    sums.squares += run.squares;
+    sums.max = std::max(sums.max, run.max);
   }
   return sums;
 }
@@ -197,7 +198,7 @@ void SurfaceIndex::build(std::size_t node, std::size_t begin, std::size_t end, i
     build(2 * node + 1 + i, i == 0 ? begin : half, i == 0 ? half : end, depth + 1);
   };
   // Two threads at each of the first levels; what the tree is does not depend on them.
-  if (depth < kParallelDepth && end - begin > kDistanceBlock) {
+  if (depth < kParallelDepth && end - begin > kDistanceRun) {
     reader::access::parallel_for(2, child);
   } else {
     child(0);
