@@ -30,6 +30,9 @@ constexpr Meaning kTitles[] = {
     {"", "levels", "Statistics per level"},
 };
 
+// These texts are stored, so their bytes are part of the container. They name both schemes and what each
+// makes of a field, since whoever opens a container with an HDF5 tool has nothing else; the code asks no
+// scheme here.
 constexpr Meaning kDescriptions[] = {
     {"", "/",
      "One surface at several levels of detail. /nodes has one row per node of the hierarchy, from the "

@@ -70,6 +70,7 @@ class SpoolReader {
   // Closes the files of these streams: the system frees the room of a deleted file when it is closed.
   void forget(std::uint16_t first_stream, std::uint16_t last_stream);
 
+  // What `most_open_files` and forget() promise; for tests, nothing else asks.
   std::size_t open_file_count() const { return open_files_.size(); }
 
  private:

@@ -1,6 +1,6 @@
 // How synth cuts a base mesh into any number of triangles: which vertex lies where, and what the triangles'
 // corners are. Positions play no part but in the choice of what is cut finer. Internal to
-// src/input/synth*.cpp.
+// src/synth.
 //
 // With k * k * F <= N < (k + 1) * (k + 1) * F for F base triangles, some of these are fine, cut into
 // (k + 1) x (k + 1), and the others into k x k. An edge has k segments, or k + 1 if it is long, and it is

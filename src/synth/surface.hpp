@@ -1,5 +1,5 @@
 // The shapes that synth sculpts: closed grids and subdivided meshes whose vertices and triangles are pure
-// functions of their numbers. Internal to src/input/synth*.cpp.
+// functions of their numbers. Internal to src/synth.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The base mesh of synth as a welded mesh with numbered edges. Internal to src/input/synth*.cpp.
+// The base mesh of synth as a welded mesh with numbered edges. Internal to src/synth.
 #pragma once
 
 #include <array>

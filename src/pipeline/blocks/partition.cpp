@@ -41,7 +41,7 @@ std::uint64_t interleaved(const CubeId& cube) {
   return key;
 }
 
-// What the triangles of some blocks say about the choice of a level.
+// What the triangles of some groups say about the choice of a level.
 struct LevelCensus {
   std::uint64_t triangles = 0;
   std::array<std::uint64_t, kDeepestCountedLevel + 1> with_long_edges{};
