@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/log.hpp"
+#include "pipeline/blocks/fullest_block.hpp"
 #include "pipeline/blocks/levels.hpp"
 #include "pipeline/facts/option_table.hpp"
 #include "pipeline/ingest/extent.hpp"
@@ -34,7 +35,7 @@ nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catal
   const auto triangles = static_cast<double>(catalog.counts.triangles);
   const auto vertices = static_cast<double>(catalog.counts.vertices);
   const int level = deepest_level(options, catalog, occupancy);
-  const double most = occupancy.most_in_block(level, options.block_size.value_or(kDefaultBlockSize));
+  const double most = most_in_block(occupancy, level, options.block_size.value_or(kDefaultBlockSize));
   nodes::NodeNeeds needs;
   const bool weighs_colors = catalog.has_colors && options.color_weight > 0.0;
   needs.task_bytes =

@@ -79,19 +79,6 @@ double Occupancy::cubes_at(int level) const {
   return std::ldexp(static_cast<double>(count), 2 * std::max(level - kLevel, 0));
 }
 
-double Occupancy::most_in_block(int level, int size) const {
-  const double in_cells = std::ldexp(size, kLevel - level);
-  const int side = std::max(static_cast<int>(in_cells), 1);
-  std::uint64_t most = 0;
-  std::unordered_map<std::uint32_t, std::uint64_t> sums;
-  for (const Cell& cell : cells) {
-    std::uint32_t key = 0;
-    for (const int at : cell.at) key = key << 9 | static_cast<std::uint32_t>((at + side / 2) / side);
-    most = std::max(most, sums[key] += cell.vertices);
-  }
-  return static_cast<double>(most) * std::min(in_cells * in_cells, 1.0);
-}
-
 Occupancy count_occupancy(const run::Workspace& workspace, const facts::Catalog& catalog) {
   const std::vector<std::size_t> begins = task_begins(catalog.vertex_blocks);
   Counter all;

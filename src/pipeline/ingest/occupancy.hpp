@@ -20,9 +20,6 @@ struct Occupancy {
 
   // Cubes with vertices at any level; beyond kLevel as many as a surface has.
   double cubes_at(int level) const;
-  // Most vertices in a block of `size` cubes of a level, shifted by half as in hierarchy/octree.hpp; beyond
-  // what kLevel resolves as many as a surface has.
-  double most_in_block(int level, int size) const;
 };
 
 // Reads all vertices once more. On rank 0. Collective.

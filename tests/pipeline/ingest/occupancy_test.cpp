@@ -49,34 +49,6 @@ TEST(Occupancy, CountsTheCubesOfEachLevel) {
   EXPECT_EQ(Occupancy{}.cubes_at(3), 0.0);
 }
 
-// Blocks of `size` cubes lie half a block to the left of its multiples.
-TEST(Occupancy, FindsTheFullestBlock) {
-  std::mt19937_64 random(test_seed());
-  const auto cells = random_cells(random, 5000);
-  const Occupancy occupancy = occupancy_of(cells);
-  for (int level = 0; level <= 7; ++level)
-    for (const int size : {4, 8, 16, 32}) {
-      const int side = size << (7 - level);
-      std::uint64_t most = 0;
-      std::map<Cell, std::uint64_t> blocks;
-      for (const auto& [at, vertices] : cells) {
-        Cell block;
-        for (std::size_t k = 0; k < 3; ++k)
-          block[k] = static_cast<int>(std::floor((at[k] + side / 2.0) / side));
-        most = std::max(most, blocks[block] += vertices);
-      }
-      EXPECT_EQ(occupancy.most_in_block(level, size), static_cast<double>(most)) << level << " " << size;
-    }
-}
-
-TEST(Occupancy, BelowItsCellsBlocksHaveWhatASurfaceHas) {
-  const Occupancy occupancy = occupancy_of({{{3, 4, 5}, 1600}, {{100, 4, 5}, 100}});
-  EXPECT_EQ(occupancy.most_in_block(9, 4), 1600.0);
-  EXPECT_EQ(occupancy.most_in_block(10, 4), 400.0);
-  EXPECT_EQ(occupancy.most_in_block(11, 4), 100.0);
-  EXPECT_EQ(Occupancy{}.most_in_block(5, 4), 0.0);
-}
-
 TEST(CountOccupancy, IsACountOfTheVerticesInTheBounds) {
   std::mt19937_64 random(test_seed());
   std::normal_distribution<double> normal;
