@@ -1,5 +1,5 @@
-// Inputs as streams of blocks: PLY, OBJ, STL and OFF, read in parts by any rank without ever holding a whole
-// file.
+// Inputs as streams of input blocks, in this folder blocks for short: PLY, OBJ, STL and OFF, read in parts by
+// any rank without ever holding a whole file.
 //
 // A Source is opened on every rank that reads of it (opening is deterministic, so all ranks see the same
 // parts); the parts of a file are its work units. Their number and size depend on the file alone, never on

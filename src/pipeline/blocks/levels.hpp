@@ -5,8 +5,8 @@
 
 namespace colossus::pipeline::blocks {
 
-// Collective. Within a level blocks are independent tasks. Sets all of the hierarchy but its options. Throws
-// Error(kBadData) when the deepest level lacks surface.
+// Collective. Within a level blocks are independent tasks. Sets all of the finished nodes but their options.
+// Throws Error(kBadData) when the deepest level lacks surface.
 facts::FinishedNodes build_levels(const run::Workspace& workspace, const NodeSettings& settings,
                                   Partition&& partition, const facts::Catalog& catalog);
 

@@ -1,4 +1,5 @@
-// What the ranks know about the input once it has been read: where its blocks lie in scratch, and counts.
+// What the ranks know about the input once it has been read: where its input blocks lie in scratch, and
+// counts.
 #pragma once
 
 #include <cstdint>

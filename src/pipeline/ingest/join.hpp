@@ -2,7 +2,7 @@
 // triangles those that it uses, without ever holding all of them.
 //
 // The join goes through scratch, in two steps. Vertices are numbered over all files and divided into ranges.
-// First each group of triangle blocks writes, for each range, the sorted numbers that it uses ("requests").
+// First each group of triangles writes, for each range, the sorted numbers that it uses ("requests").
 // Then each range is loaded once and answers all groups ("answers"). Triangles in an order that has nothing
 // to do with that of the vertices cost more and smaller records, but no more memory.
 #pragma once

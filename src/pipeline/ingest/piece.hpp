@@ -1,4 +1,4 @@
-// Triangles with the vertices that they use: what a build moves from the input's blocks to the buckets.
+// Triangles with the vertices that they use: what a build moves from the input blocks to the buckets.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// The step survey: reads every input once, checks it, and copies its blocks to scratch.
+// The step survey: reads every input once, checks it, and copies its input blocks to scratch.
 #pragma once
 
 #include "pipeline/facts/catalog.hpp"
@@ -6,7 +6,7 @@
 
 namespace colossus::pipeline::ingest {
 
-// The catalogue of raw blocks with bounds and counts; the same on all ranks. Throws on bad data and when
+// The catalogue of input blocks with bounds and counts; the same on all ranks. Throws on bad data and when
 // there is no triangle at all. Collective.
 facts::Catalog survey(const run::Workspace& workspace);
 
