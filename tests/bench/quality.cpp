@@ -7,11 +7,8 @@
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <cstdio>
-#include <variant>
 
 #include "input/load.hpp"
-#include "reader/blocks/extract.hpp"
-#include "reader/diamonds/extract.hpp"
 #include "reader/open.hpp"
 #include "verify/measure/distance.hpp"
 
@@ -57,8 +54,7 @@ double reference_rms(const input::LoadedMesh& input, std::size_t triangles) {
       verify::measure::surface_distances({points, kept}, {input.positions, input.triangles}, kSamples));
 }
 
-template <typename Statue>
-void compare(const Statue& statue, const std::string& file) {
+void compare(const reader::access::Statue& statue, const std::string& file) {
   const input::LoadedMesh input = input::load_mesh(std::span(&file, 1));
   const verify::measure::Surface surface{input.positions, input.triangles};
   // A level that still contains leaves is finer in parts than it is in others.
@@ -67,7 +63,7 @@ void compare(const Statue& statue, const std::string& file) {
     if (statue.is_leaf(row)) coarsest_leaf = std::min(coarsest_leaf, statue.rows()[row].level);
   fmt::print("level  triangles  rms           OpenMesh rms  ratio\n");
   for (std::uint32_t level = statue.deepest_level(); level + 1 > 0; --level) {
-    const reader::access::CutMesh cut = assemble(statue, cut_at_level(statue, level));
+    const reader::access::CutMesh cut = statue.extract(reader::access::AtLevel{level}).mesh;
     const double ours =
         worse_rms(verify::measure::surface_distances({cut.positions, cut.triangles}, surface, kSamples));
     const double theirs =
@@ -87,7 +83,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    std::visit([&](const auto& statue) { compare(*statue, argv[2]); }, reader::open(argv[1]));
+    compare(*reader::open(argv[1]), argv[2]);
   } catch (const core::Error& error) {
     fmt::print(stderr, "quality: {}\n", error.what());
     return static_cast<int>(error.status());
