@@ -143,7 +143,7 @@ std::multiset<std::array<Point, 3>> triangle_set(const Ply& ply) {
   std::multiset<std::array<Point, 3>> set;
   for (const auto& [a, b, c] : ply.triangles) {
     std::array<Point, 3> corners = {ply.positions[a], ply.positions[b], ply.positions[c]};
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     set.insert(corners);
   }
   return set;
