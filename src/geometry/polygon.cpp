@@ -332,6 +332,54 @@ void PolygonTriangulator::look_at(std::uint32_t corner) {
   queue_.push_back(corner);
 }
 
+void PolygonTriangulator::begin_search(std::uint32_t start) {
+  const auto count = static_cast<std::uint32_t>(corners_.size());
+  triangles_.clear();
+  for (Box& box : tree_) box.obstacles = 0;
+  queue_.clear();
+  served_ = 0;
+  left_ = count;
+  turned_over_ = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Corner& corner = corners_[i];
+    corner.previous = i == 0 ? count - 1 : i - 1;
+    corner.next = i + 1 == count ? 0 : i + 1;
+    corner.is_cut = corner.is_obstacle = false;
+  }
+  for (std::uint32_t i = 0; i < count; ++i) look_at(start + i < count ? start + i : start + i - count);
+}
+
+void PolygonTriangulator::take_triangle(std::uint32_t corner) {
+  triangles_.push_back({corners_[corner].previous, corner, corners_[corner].next});
+  turned_over_ += std::max<std::int64_t>(0, -turn_at(corner));
+}
+
+// Returns the corner before it.
+std::uint32_t PolygonTriangulator::cut(std::uint32_t corner) {
+  const auto [a, c] = std::pair(corners_[corner].previous, corners_[corner].next);
+  take_triangle(corner);
+  corners_[corner].is_cut = true;
+  set_obstacle(corner, false);
+  corners_[a].next = c;
+  corners_[c].previous = a;
+  --left_;
+  const bool a_waits = corners_[a].ticket >= served_;
+  const bool c_waits = corners_[c].ticket >= served_;
+  const auto [first, second] = c_waits && !a_waits ? std::pair(c, a) : std::pair(a, c);
+  look_at(first);
+  look_at(second);
+  return a;
+}
+
+void PolygonTriangulator::serve_queue() {
+  while (left_ > 3 && served_ < queue_.size()) {
+    const std::size_t ticket = served_++;
+    const std::uint32_t corner = queue_[ticket];
+    const bool is_due = corners_[corner].ticket == ticket && !corners_[corner].is_cut;
+    if (is_due && is_acceptable(corner, Patience::kEar)) cut(corner);
+  }
+}
+
 // Cuts ears until a triangle is left, and returns twice the area of the triangles that are turned over: 0 is
 // success.
 //
@@ -341,48 +389,12 @@ void PolygonTriangulator::look_at(std::uint32_t corner) {
 // search goes round and has more and more patience, the longer it finds nothing; whenever it does, the queue
 // is next.
 __int128 PolygonTriangulator::search(std::uint32_t start) {
-  const auto count = static_cast<std::uint32_t>(corners_.size());
-  triangles_.clear();
-  for (Box& box : tree_) box.obstacles = 0;
-  queue_.clear();
-  std::size_t served = 0;  // of the queue
-  for (std::uint32_t i = 0; i < count; ++i) {
-    Corner& corner = corners_[i];
-    corner.previous = i == 0 ? count - 1 : i - 1;
-    corner.next = i + 1 == count ? 0 : i + 1;
-    corner.is_cut = corner.is_obstacle = false;
-  }
-  for (std::uint32_t i = 0; i < count; ++i) look_at(start + i < count ? start + i : start + i - count);
-
-  Wide turned_over = 0;
-  std::uint32_t left = count;
-  const auto cut = [&](std::uint32_t b) {
-    const auto [a, c] = std::pair(corners_[b].previous, corners_[b].next);
-    triangles_.push_back({a, b, c});
-    turned_over += std::max<std::int64_t>(0, -turn_at(b));
-    corners_[b].is_cut = true;
-    set_obstacle(b, false);
-    corners_[a].next = c;
-    corners_[c].previous = a;
-    --left;
-    const bool a_waits = corners_[a].ticket >= served;
-    const bool c_waits = corners_[c].ticket >= served;
-    const auto [first, second] = c_waits && !a_waits ? std::pair(c, a) : std::pair(a, c);
-    look_at(first);
-    look_at(second);
-    return a;
-  };
+  begin_search(start);
   auto patience = Patience::kTouchedEar;
   std::uint32_t cursor = start;
   std::uint32_t misses = 0;
   std::uint64_t all_misses = 0;
-  while (left > 3) {
-    if (served < queue_.size()) {
-      const std::size_t ticket = served++;
-      const std::uint32_t b = queue_[ticket];
-      if (corners_[b].ticket == ticket && !corners_[b].is_cut && is_acceptable(b, Patience::kEar)) cut(b);
-      continue;
-    }
+  for (serve_queue(); left_ > 3; serve_queue()) {
     while (corners_[cursor].is_cut) cursor = corners_[cursor].next;
     if (is_acceptable(cursor, patience)) {
       cursor = cut(cursor);
@@ -391,15 +403,14 @@ __int128 PolygonTriangulator::search(std::uint32_t start) {
     }
     cursor = corners_[cursor].next;
     ++all_misses;
-    if (++misses < left && all_misses < kMostMisses * count) continue;
+    if (++misses < left_ && all_misses < kMostMisses * corners_.size()) continue;
     patience = static_cast<Patience>(static_cast<int>(patience) + 1);
     misses = 0;
     all_misses = 0;
   }
   while (corners_[cursor].is_cut) cursor = corners_[cursor].next;
-  triangles_.push_back({corners_[cursor].previous, cursor, corners_[cursor].next});
-  turned_over += std::max<std::int64_t>(0, -turn_at(cursor));
-  return turned_over;
+  take_triangle(cursor);
+  return turned_over_;
 }
 
 __int128 PolygonTriangulator::turned_over_in_fan() const {

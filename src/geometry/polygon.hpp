@@ -97,6 +97,10 @@ class PolygonTriangulator {
   void project(std::span<const Point> corners, int axis, bool is_positive);
   void plant_tree();
   __int128 search(std::uint32_t start);
+  void begin_search(std::uint32_t start);
+  void serve_queue();
+  std::uint32_t cut(std::uint32_t corner);
+  void take_triangle(std::uint32_t corner);
   __int128 turned_over_in_fan() const;
   bool is_acceptable(std::uint32_t corner, Patience patience) const;
   bool is_needless(std::uint32_t corner) const;
@@ -113,6 +117,9 @@ class PolygonTriangulator {
   std::vector<std::uint64_t> keys_;
   std::vector<Box> tree_;  // children of i at 2 i and 2 i + 1
   std::vector<std::uint32_t> queue_;
+  std::size_t served_ = 0;    // of the queue
+  std::uint32_t left_ = 0;    // corners that are not cut
+  __int128 turned_over_ = 0;  // of the triangles so far, twice the area
   std::size_t first_leaf_ = 0;
   bool cuts_slits_ = false;  // every second try: spikes that cross the rest look like slits
 };
