@@ -178,81 +178,129 @@ double correct_farthest(WalkableSurface& surface, std::span<const std::uint16_t>
   return heap.empty() ? 0.0 : static_cast<double>(heap.front().distance);
 }
 
+// From the input to the surface. Returns the greatest distance of a sample.
+double measure_samples(const mesh::Mesh& after, std::span<const std::uint16_t> cells,
+                       std::span<const std::uint32_t> representative, std::vector<SurfaceSample>& samples) {
+  if (after.triangles.empty()) return measure_to_representatives(after, representative, samples);
+  WalkableSurface surface(after);
+  for (SurfaceSample& sample : samples) {
+    const Vec3 p = geometry::to_vec3(sample.position);
+    Nearest nearest = surface.walk(p, representative[sample.anchor]);
+    // No triangle is left around this vertex.
+    if (nearest.triangle == kNone) surface.look_everywhere(p, nearest);
+    attach(sample, nearest, surface, cells);
+  }
+  return correct_farthest(surface, cells, samples);
+}
+
+// From the surface to the one that it was made of, and on to the input by what that one deviated there.
+class WayBack {
+ public:
+  // Places that are no farther than `known` need not be measured.
+  WayBack(const mesh::Mesh& before, const mesh::Mesh& after, std::span<const std::uint32_t> representative,
+          double known)
+      : before_(before),
+        after_(after),
+        representative_(representative),
+        known_(known),
+        surface_before_(before),
+        carried_(after.vertices.size(), 0.0F),
+        origin_(after.vertices.size(), kNone) {}
+
+  // To the triangles around all vertices that have become this one. `earlier`: what the samples said of the
+  // surface before, where each of its vertices was.
+  void measure_vertices(std::span<const float> earlier) {
+    std::vector<Nearest> placed = find_origins(earlier);
+    for (std::uint32_t v = 0; v < before_.vertices.size(); ++v) {
+      const std::uint32_t r = representative_[v];
+      if (placed[r].squared > 0.0)
+        surface_before_.look_around(geometry::to_vec3(after_.vertices[r].position), v, placed[r]);
+    }
+    for (std::size_t r = 0; r < placed.size(); ++r)
+      if (placed[r].squared > 0.0)
+        farthest_ = std::max(farthest_, std::sqrt(placed[r].squared) + static_cast<double>(carried_[r]));
+  }
+
+  void measure_middles() {
+    for (const mesh::Triangle& t : after_.triangles)
+      for (std::size_t k = 0; k < 3; ++k)
+        // From both sides an edge inside the surface would be measured twice.
+        if (t[k] < t[(k + 1) % 3]) measure_edge(t[k], t[(k + 1) % 3], 0.5);
+  }
+
+  void measure_border() {
+    for (const mesh::Edge& edge : mesh::edges(after_.triangles))
+      if (edge.is_border())
+        for (const double at : {0.25, 0.5, 0.75}) measure_edge(edge.a, edge.b, at);
+  }
+
+  double farthest() const { return farthest_; }
+
+ private:
+  // Where each vertex comes from, and what it carries. Returns the distances that this tells: 0 to whoever
+  // has stayed where it was.
+  std::vector<Nearest> find_origins(std::span<const float> earlier) {
+    std::vector<Nearest> placed(after_.vertices.size());
+    for (std::uint32_t v = 0; v < before_.vertices.size(); ++v) {
+      const std::uint32_t r = representative_[v];
+      carried_[r] = std::max(carried_[r], earlier[v]);
+      const bool is_still_there = before_.vertices[v].position == after_.vertices[r].position;
+      if (is_still_there) placed[r].squared = 0.0;
+      if (is_still_there || placed[r].squared > 0.0) origin_[r] = v;
+    }
+    return placed;
+  }
+
+  // At this share of the way from a to b. Only where a first look does not show that it is no farther than
+  // what is known.
+  void measure_edge(std::uint32_t a, std::uint32_t b, double at) {
+    const Vec3 from = geometry::to_vec3(after_.vertices[a].position);
+    const Vec3 p = from + at * (geometry::to_vec3(after_.vertices[b].position) - from);
+    const double before_it = static_cast<double>(std::max(carried_[a], carried_[b]));
+    const double known = std::max(known_, farthest_) - before_it;
+    const double squared_enough = known > 0.0 ? known * known : -1.0;
+    Nearest nearest;
+    for (const auto end : {a, b}) {
+      surface_before_.look_around(p, origin_[end], nearest, squared_enough);
+      if (nearest.squared <= squared_enough) return;
+    }
+    for (const auto end : {a, b}) {
+      const Nearest found = surface_before_.walk(p, origin_[end], squared_enough);
+      if (found.squared < nearest.squared) nearest = found;
+      if (nearest.squared <= squared_enough) return;
+    }
+    surface_before_.look_everywhere(p, nearest);
+    farthest_ = std::max(farthest_, std::sqrt(nearest.squared) + before_it);
+  }
+
+  const mesh::Mesh& before_;
+  const mesh::Mesh& after_;
+  std::span<const std::uint32_t> representative_;
+  double known_;
+  double farthest_ = 0.0;
+  WalkableSurface surface_before_;
+  std::vector<float> carried_;         // the greatest that the samples said where it comes from
+  std::vector<std::uint32_t> origin_;  // a vertex of `before` that has become this one
+};
+
 }  // namespace
 
 Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
                             std::span<const std::uint16_t> cells,
                             std::span<const std::uint32_t> representative, bool has_border,
                             std::vector<SurfaceSample>& samples) {
-  Deviation deviation;
-  // What the samples said of the surface before, where each vertex was.
   std::vector<float> earlier(before.vertices.size(), 0.0F);
   for (const SurfaceSample& sample : samples)
     earlier[sample.anchor] = std::max(earlier[sample.anchor], sample.distance);
 
-  if (after.triangles.empty()) {
-    deviation.of_samples = measure_to_representatives(after, representative, samples);
-    return deviation;
-  }
-  WalkableSurface surface_after(after);
-  for (SurfaceSample& sample : samples) {
-    const Vec3 p = geometry::to_vec3(sample.position);
-    Nearest nearest = surface_after.walk(p, representative[sample.anchor]);
-    // No triangle is left around this vertex.
-    if (nearest.triangle == kNone) surface_after.look_everywhere(p, nearest);
-    attach(sample, nearest, surface_after, cells);
-  }
-  deviation.of_samples = correct_farthest(surface_after, cells, samples);
-
-  WalkableSurface surface_before(before);
-  std::vector<Nearest> placed(after.vertices.size());
-  std::vector<float> carried(after.vertices.size(), 0.0F);
-  std::vector<std::uint32_t> origin(after.vertices.size(),
-                                    kNone);  // a vertex of `before` that has become this one
-  for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
-    const std::uint32_t r = representative[v];
-    carried[r] = std::max(carried[r], earlier[v]);
-    const bool is_still_there = before.vertices[v].position == after.vertices[r].position;
-    if (is_still_there) placed[r].squared = 0.0;
-    if (is_still_there || placed[r].squared > 0.0) origin[r] = v;
-  }
-  for (std::uint32_t v = 0; v < before.vertices.size(); ++v) {
-    const std::uint32_t r = representative[v];
-    if (placed[r].squared > 0.0)
-      surface_before.look_around(geometry::to_vec3(after.vertices[r].position), v, placed[r]);
-  }
-  for (std::size_t r = 0; r < placed.size(); ++r)
-    if (placed[r].squared > 0.0)
-      deviation.of_surface =
-          std::max(deviation.of_surface, std::sqrt(placed[r].squared) + static_cast<double>(carried[r]));
-  // Only where a first look does not show that it is no farther than what is known.
-  const auto measure = [&](std::uint32_t a, std::uint32_t b, double at) {
-    const Vec3 from = geometry::to_vec3(after.vertices[a].position);
-    const Vec3 p = from + at * (geometry::to_vec3(after.vertices[b].position) - from);
-    const double before_it = static_cast<double>(std::max(carried[a], carried[b]));
-    const double known = deviation.greatest() - before_it;
-    const double squared_enough = known > 0.0 ? known * known : -1.0;
-    Nearest nearest;
-    for (const auto end : {a, b}) {
-      surface_before.look_around(p, origin[end], nearest, squared_enough);
-      if (nearest.squared <= squared_enough) return;
-    }
-    for (const auto end : {a, b}) {
-      const Nearest found = surface_before.walk(p, origin[end], squared_enough);
-      if (found.squared < nearest.squared) nearest = found;
-      if (nearest.squared <= squared_enough) return;
-    }
-    surface_before.look_everywhere(p, nearest);
-    deviation.of_surface = std::max(deviation.of_surface, std::sqrt(nearest.squared) + before_it);
-  };
-  for (const mesh::Triangle& t : after.triangles)
-    for (std::size_t k = 0; k < 3; ++k)
-      // From both sides an edge inside the surface would be measured twice.
-      if (t[k] < t[(k + 1) % 3]) measure(t[k], t[(k + 1) % 3], 0.5);
-  if (!has_border) return deviation;
-  for (const mesh::Edge& edge : mesh::edges(after.triangles))
-    if (edge.is_border())
-      for (const double at : {0.25, 0.5, 0.75}) measure(edge.a, edge.b, at);
+  Deviation deviation;
+  deviation.of_samples = measure_samples(after, cells, representative, samples);
+  if (after.triangles.empty()) return deviation;
+  WayBack back(before, after, representative, deviation.of_samples);
+  back.measure_vertices(earlier);
+  back.measure_middles();
+  if (has_border) back.measure_border();
+  deviation.of_surface = back.farthest();
   return deviation;
 }
 

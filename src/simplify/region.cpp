@@ -6,9 +6,9 @@ namespace colossus::simplify {
 
 AngleCounts count_small_angles(const mesh::Mesh& mesh) {
   // Squared cosines, since the container's bytes may not depend on a library's arccosine.
-  constexpr double kCos5 = 0.99240387650610395;
-  constexpr double kCos15 = 0.93301270189221941;
-  constexpr double kCos30 = 0.75;
+  constexpr double kSquaredCos5 = 0.99240387650610395;
+  constexpr double kSquaredCos15 = 0.93301270189221941;
+  constexpr double kSquaredCos30 = 0.75;
   AngleCounts counts;
   for (const mesh::Triangle& t : mesh.triangles) {
     double greatest = 0.0;
@@ -20,9 +20,9 @@ AngleCounts count_small_angles(const mesh::Mesh& mesh) {
       const double lengths = geometry::squared_length(u) * geometry::squared_length(v);
       if (d > 0.0) greatest = std::max(greatest, lengths > 0.0 ? d * d / lengths : 1.0);
     }
-    counts.below_5_degrees += greatest > kCos5 ? 1 : 0;
-    counts.below_15_degrees += greatest > kCos15 ? 1 : 0;
-    counts.below_30_degrees += greatest > kCos30 ? 1 : 0;
+    counts.below_5_degrees += greatest > kSquaredCos5 ? 1 : 0;
+    counts.below_15_degrees += greatest > kSquaredCos15 ? 1 : 0;
+    counts.below_30_degrees += greatest > kSquaredCos30 ? 1 : 0;
   }
   return counts;
 }
