@@ -29,6 +29,30 @@ std::int64_t reach_of(int level) {
                                    static_cast<double>(std::int64_t{1} << (geometry::kRootBits - level)));
 }
 
+// Numbers vertices in the order in which they come.
+class Numbering {
+ public:
+  explicit Numbering(std::size_t count) : numbers_(count, kNone) {}
+
+  std::uint32_t add(std::uint32_t v) {
+    if (numbers_[v] == kNone) {
+      numbers_[v] = static_cast<std::uint32_t>(members_.size());
+      members_.push_back(v);
+    }
+    return numbers_[v];
+  }
+  std::uint32_t operator[](std::uint32_t v) const { return numbers_[v]; }
+  std::span<const std::uint32_t> members() const { return members_; }
+  void clear() {
+    for (const auto v : members_) numbers_[v] = kNone;
+    members_.clear();
+  }
+
+ private:
+  std::vector<std::uint32_t> numbers_;
+  std::vector<std::uint32_t> members_;
+};
+
 // The cubes of a block as one welded mesh, and the parents that its parts go to.
 class Block {
  public:
@@ -137,60 +161,64 @@ class Block {
                    hierarchy::max_distance(before[v], region_.mesh.vertices[representative_[v]].position));
   }
 
-  // Each parent gets the triangles that its children's have become, and every vertex that theirs have.
-  void split() {
-    std::vector<std::vector<std::uint32_t>> triangles(parents_.size());
+  // What a parent gets: the triangles that its children's have become, and every vertex that theirs have.
+  struct Share {
+    std::vector<std::uint32_t> triangles;  // of the region
+    std::vector<simplify::SurfaceSample> samples;
+    std::vector<std::uint32_t> vertices;  // of the children, as the contents' follow each other
+  };
+
+  std::vector<Share> find_shares() const {
+    std::vector<Share> shares(parents_.size());
     for (std::uint32_t i = 0; i < region_.mesh.triangles.size(); ++i)
-      triangles[region_.cells[i]].push_back(i);
-    std::vector<std::vector<simplify::SurfaceSample>> samples(parents_.size());
-    for (const simplify::SurfaceSample& sample : region_.samples) samples[sample.cell].push_back(sample);
-    std::vector<std::size_t> bases;
-    std::size_t base = 0;
-    for (const nodes::SampledMesh& content : contents_) {
-      bases.push_back(base);
-      base += content.mesh.vertices.size();
+      shares[region_.cells[i]].triangles.push_back(i);
+    for (const simplify::SurfaceSample& sample : region_.samples)
+      shares[sample.cell].samples.push_back(sample);
+    std::uint32_t vertex = 0;
+    for (std::size_t c = 0; c < contents_.size(); ++c) {
+      Share& share = shares[parent_index(task_.cubes[c].record.id)];
+      for (std::size_t i = 0; i < contents_[c].mesh.vertices.size(); ++i) share.vertices.push_back(vertex++);
     }
+    return shares;
+  }
+
+  void split() {
     indices_.resize(welded_.size());
-    std::vector<std::uint32_t> numbers(region_.mesh.vertices.size(), kNone);
+    Numbering numbering(region_.mesh.vertices.size());
+    const std::vector<Share> shares = find_shares();
     for (std::size_t p = 0; p < parents_.size(); ++p) {
-      nodes::SampledMesh parent;
-      std::vector<std::uint32_t> members;
-      const auto number_of = [&](std::uint32_t v) {
-        if (numbers[v] == kNone) {
-          numbers[v] = static_cast<std::uint32_t>(members.size());
-          members.push_back(v);
-          parent.mesh.vertices.push_back(region_.mesh.vertices[v]);
-        }
-        return numbers[v];
-      };
-      for (const auto i : triangles[p]) {
-        mesh::Triangle t = region_.mesh.triangles[i];
-        for (auto& v : t) v = number_of(v);
-        parent.mesh.triangles.push_back(t);
-      }
-      for (std::size_t c = 0; c < contents_.size(); ++c)
-        if (parent_index(task_.cubes[c].record.id) == p)
-          for (std::size_t i = 0; i < contents_[c].mesh.vertices.size(); ++i)
-            number_of(representative_[welded_[bases[c] + i]]);
-      // As the parent's node will store them.
-      std::vector<mesh::Triangle> stored = parent.mesh.triangles;
-      const std::vector<std::uint32_t> order =
-          order_cube(stored, parent.mesh.vertices.size(), *settings_.codec);
-      std::vector<std::uint32_t> now(order.size());
-      for (std::uint32_t i = 0; i < order.size(); ++i) now[order[i]] = i;
-      for (std::size_t c = 0; c < contents_.size(); ++c)
-        if (parent_index(task_.cubes[c].record.id) == p)
-          for (std::size_t i = 0; i < contents_[c].mesh.vertices.size(); ++i)
-            indices_[bases[c] + i] = now[numbers[representative_[welded_[bases[c] + i]]]];
-      for (simplify::SurfaceSample sample : samples[p]) {
-        sample.anchor = numbers[sample.anchor];
-        sample.cell = 0;
-        parent.samples.push_back(sample);
-      }
-      simplify::thin_out(parent.samples, nodes::kSamplesPerMesh);
-      for (const auto v : members) numbers[v] = kNone;
+      const nodes::SampledMesh parent = mesh_of(shares[p], numbering);
+      point_to_parents(shares[p], parent.mesh, numbering);
       result_.parents.push_back({store_cube(workspace_, parents_[p], parent, displacement_), error_});
+      numbering.clear();
     }
+  }
+
+  nodes::SampledMesh mesh_of(const Share& share, Numbering& numbering) const {
+    nodes::SampledMesh parent;
+    for (const auto i : share.triangles) {
+      mesh::Triangle t = region_.mesh.triangles[i];
+      for (auto& v : t) v = numbering.add(v);
+      parent.mesh.triangles.push_back(t);
+    }
+    for (const auto v : share.vertices) numbering.add(representative_[welded_[v]]);
+    for (const auto v : numbering.members()) parent.mesh.vertices.push_back(region_.mesh.vertices[v]);
+    for (simplify::SurfaceSample sample : share.samples) {
+      sample.anchor = numbering[sample.anchor];
+      sample.cell = 0;
+      parent.samples.push_back(sample);
+    }
+    simplify::thin_out(parent.samples, nodes::kSamplesPerMesh);
+    return parent;
+  }
+
+  // As the parent's node will store them.
+  void point_to_parents(const Share& share, const mesh::Mesh& parent, const Numbering& numbering) {
+    std::vector<mesh::Triangle> stored = parent.triangles;
+    const std::vector<std::uint32_t> order = order_cube(stored, parent.vertices.size(), *settings_.codec);
+    std::vector<std::uint32_t> now(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) now[order[i]] = i;
+    for (const auto v : share.vertices) indices_[v] = now[numbering[representative_[welded_[v]]]];
   }
 
   NodeResult encode_all(NodeResult&& result) {
