@@ -156,6 +156,26 @@ void take_counts(facts::Catalog& catalog, const std::vector<BucketCounts>& of_bu
         is_line && triangles > 0 ? ", all on one line" : "", ingest::far_corner_text(catalog));
 }
 
+BucketResult make_bucket(const run::Workspace& workspace, const facts::Catalog& catalog,
+                         const BucketTree& tree, const Rounding& rounding, std::span<const std::byte> task) {
+  ByteReader reader(task);
+  const auto cube = reader.get<CubeId>();
+  ingest::Piece piece;
+  while (reader.remaining() > 0) load_piece(workspace, catalog, reader.get<scratch::RecordRef>(), piece);
+  const InputBox box{catalog.lattice.input_vertex(catalog.bounds.low),
+                     catalog.lattice.input_vertex(catalog.bounds.high)};
+  BucketMesh bucket(rounding, cube, box, std::move(piece));
+  BucketResult result;
+  result.counts = bucket.counts();
+  result.lists = tell_neighbors(workspace, tree, cube, bucket.mesh(), bucket.lost());
+  result.lost_count = bucket.lost().size();
+  if (!bucket.lost().empty())
+    result.lost = workspace.writer.append(static_cast<std::uint32_t>(facts::RecordKind::kLost),
+                                          core::as_bytes(bucket.lost()));
+  result.mesh = nodes::store(workspace, {std::move(bucket.mesh()), {}});
+  return result;
+}
+
 }  // namespace
 
 std::vector<BucketRecord> give_attributes(const run::Workspace& workspace, facts::Catalog& catalog,
@@ -164,8 +184,6 @@ std::vector<BucketRecord> give_attributes(const run::Workspace& workspace, facts
   std::vector<BucketRecord> records(filled.size());
   std::vector<std::vector<ForNeighbor>> lists(filled.size());
   std::vector<BucketCounts> counts(filled.size());
-  const InputBox box{catalog.lattice.input_vertex(catalog.bounds.low),
-                     catalog.lattice.input_vertex(catalog.bounds.high)};
   run_phase(
       workspace, "attributes", filled.size(),
       [&](std::size_t i) {
@@ -175,21 +193,7 @@ std::vector<BucketRecord> give_attributes(const run::Workspace& workspace, facts
         return mesh_task(bucket);
       },
       [&](std::span<const std::byte> task) {
-        ByteReader reader(task);
-        const auto cube = reader.get<CubeId>();
-        ingest::Piece piece;
-        while (reader.remaining() > 0)
-          load_piece(workspace, catalog, reader.get<scratch::RecordRef>(), piece);
-        BucketMesh bucket(rounding, cube, box, std::move(piece));
-        BucketResult result;
-        result.counts = bucket.counts();
-        result.lists = tell_neighbors(workspace, buckets.tree, cube, bucket.mesh(), bucket.lost());
-        result.lost_count = bucket.lost().size();
-        if (!bucket.lost().empty())
-          result.lost = workspace.writer.append(static_cast<std::uint32_t>(facts::RecordKind::kLost),
-                                                core::as_bytes(bucket.lost()));
-        result.mesh = nodes::store(workspace, {std::move(bucket.mesh()), {}});
-        return result.to_bytes();
+        return make_bucket(workspace, catalog, buckets.tree, rounding, task).to_bytes();
       },
       [&](std::size_t i, const Bytes& bytes) {
         const BucketResult result = BucketResult::from_bytes(bytes);
