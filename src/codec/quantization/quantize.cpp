@@ -56,6 +56,59 @@ double moved_by(const coded::Weights& weights, const geometry::Point& from,
   return std::sqrt(x * x + y * y + z * z);
 }
 
+double unit_of(int position_bits) { return 1.0 / static_cast<double>(std::int64_t{1} << position_bits); }
+
+// What has become of a mesh in which vertices fell together.
+struct Mended {
+  std::vector<std::uint32_t> roots;  // the vertex that each has become, new ones themselves
+  double displacement = 0.0;         // of vertices for which copies stand
+  double beyond = 0.0;               // what pairs that were taken out add to any displacement
+};
+
+// The greatest displacement of a vertex to a copy that stands for it. `copied`: the originals of the last
+// vertices.
+double displacement_of_copies(const std::vector<std::uint32_t>& copied,
+                              const std::vector<std::uint32_t>& welded,
+                              const std::vector<mesh::Vertex>& vertices,
+                              const std::vector<coded::Weights>& weights,
+                              const hierarchy::Tetrahedron& tetrahedron, double scale) {
+  const auto first = static_cast<std::uint32_t>(vertices.size() - copied.size());
+  // A copy stands for all that had come to its original's place.
+  std::multimap<std::uint32_t, std::uint32_t> copies;
+  for (std::uint32_t i = 0; i < copied.size(); ++i) copies.emplace(welded[copied[i]], first + i);
+  double greatest = 0.0;
+  for (std::size_t v = 0; v < welded.size() && !copies.empty(); ++v)
+    for (auto [copy, end] = copies.equal_range(welded[v]); copy != end; ++copy)
+      greatest =
+          std::max(greatest, moved_by(weights[copy->second], vertices[v].position, tetrahedron, scale));
+  return greatest;
+}
+
+// `welded`: the first vertex at each one's place.
+Mended mend_shared_places(mesh::Mesh& mesh, std::vector<coded::Weights>& weights,
+                          const std::vector<std::uint32_t>& welded, const hierarchy::Tetrahedron& tetrahedron,
+                          int position_bits) {
+  std::vector<mesh::Vertex>& vertices = mesh.vertices;
+  std::vector<Triangle>& triangles = mesh.triangles;
+  Mended mended;
+  std::vector<Triangle> lost;
+  mended.roots = merge_fallen_together(triangles, weights, lost);
+  // Before fins go: what lies on one of these is no farther from the rest than the fin.
+  std::vector<Triangle> to_revive = uncovered(lost, welded, triangles);
+  mended.beyond = take_out_pairs(tetrahedron, position_bits, weights, triangles, to_revive);
+  separate_edges(triangles, weights);
+  std::vector<bool> is_merged(vertices.size(), false);
+  for (std::uint32_t v = 0; v < mended.roots.size(); ++v)
+    if (mended.roots[v] != v) is_merged[mended.roots[v]] = true;
+  split_edges(vertices, triangles, weights, is_merged);
+  const std::vector<std::uint32_t> copied = revive(to_revive, vertices, triangles, weights);
+  mended.displacement =
+      displacement_of_copies(copied, welded, vertices, weights, tetrahedron, unit_of(position_bits));
+  for (auto v = static_cast<std::uint32_t>(mended.roots.size()); v < vertices.size(); ++v)
+    mended.roots.push_back(v);
+  return mended;
+}
+
 }  // namespace
 
 Barycentric::Barycentric(const hierarchy::Tetrahedron& tetrahedron) {
@@ -96,58 +149,39 @@ coded::Weights Barycentric::weights(const geometry::Point& p, int bits) const {
 Quantized quantize(mesh::Mesh mesh, const hierarchy::Tetrahedron& tetrahedron, std::uint8_t place,
                    const QuantizeOptions& options) {
   const Barycentric barycentric(tetrahedron);
-  const double scale = 1.0 / static_cast<double>(std::int64_t{1} << options.position_bits);
+  const double scale = unit_of(options.position_bits);
   Quantized result;
   std::vector<coded::Weights> weights;
   weights.reserve(mesh.vertices.size());
   for (const mesh::Vertex& vertex : mesh.vertices)
     weights.push_back(barycentric.weights(vertex.position, options.position_bits));
   settle_polylines(mesh, weights);
-  std::vector<mesh::Vertex>& vertices = mesh.vertices;
-  std::vector<Triangle>& triangles = mesh.triangles;
-  std::vector<std::uint32_t> roots(vertices.size());
-  std::iota(roots.begin(), roots.end(), 0U);
-  double beyond = 0.0;
+  Mended mended;
+  mended.roots.resize(mesh.vertices.size());
+  std::iota(mended.roots.begin(), mended.roots.end(), 0U);
   const std::vector<std::uint32_t> welded = coded::first_at_place(weights);
-  result.has_shared_places = welded != roots;
-  if (result.has_shared_places) {
-    std::vector<Triangle> lost;
-    roots = merge_fallen_together(triangles, weights, lost);
-    // Before fins go: what lies on one of these is no farther from the rest than the fin.
-    std::vector<Triangle> to_revive = uncovered(lost, welded, triangles);
-    beyond = take_out_pairs(tetrahedron, options.position_bits, weights, triangles, to_revive);
-    separate_edges(triangles, weights);
-    std::vector<bool> is_merged(vertices.size(), false);
-    for (std::uint32_t v = 0; v < roots.size(); ++v)
-      if (roots[v] != v) is_merged[roots[v]] = true;
-    split_edges(vertices, triangles, weights, is_merged);
-    const auto first = static_cast<std::uint32_t>(vertices.size());
-    const std::vector<std::uint32_t> copied = revive(to_revive, vertices, triangles, weights);
-    // A copy stands for all that had come to its original's place.
-    std::multimap<std::uint32_t, std::uint32_t> copies;
-    for (std::uint32_t i = 0; i < copied.size(); ++i) copies.emplace(welded[copied[i]], first + i);
-    for (std::size_t v = 0; v < welded.size() && !copies.empty(); ++v)
-      for (auto [copy, end] = copies.equal_range(welded[v]); copy != end; ++copy)
-        result.displacement = std::max(
-            result.displacement, moved_by(weights[copy->second], vertices[v].position, tetrahedron, scale));
-    for (auto v = static_cast<std::uint32_t>(roots.size()); v < vertices.size(); ++v) roots.push_back(v);
-  }
+  result.has_shared_places = welded != mended.roots;
+  if (result.has_shared_places)
+    mended = mend_shared_places(mesh, weights, welded, tetrahedron, options.position_bits);
+  result.displacement = mended.displacement;
   for (std::size_t v = 0; v < weights.size(); ++v)
     result.displacement =
-        std::max(result.displacement, moved_by(weights[roots[v]], vertices[v].position, tetrahedron, scale));
-  result.displacement += beyond;
+        std::max(result.displacement,
+                 moved_by(weights[mended.roots[v]], mesh.vertices[v].position, tetrahedron, scale));
+  result.displacement += mended.beyond;
   coded::CodedPart& out = result.tetrahedron;
   out.place = place;
   out.frame = coded::frame_of(tetrahedron);
-  const std::vector<std::uint32_t> before = coded::renumber_by_first_use(triangles, vertices.size());
-  const std::size_t used = coded::used_vertices(triangles, vertices.size());
+  const std::vector<std::uint32_t> before =
+      coded::renumber_by_first_use(mesh.triangles, mesh.vertices.size());
+  const std::size_t used = coded::used_vertices(mesh.triangles, mesh.vertices.size());
   for (std::size_t i = 0; i < used; ++i) {
     const std::uint32_t v = before[i];
     out.positions.push_back(weights[v]);
-    if (options.normals) out.normals.push_back(geometry::encode_octahedral(vertices[v].normal));
-    if (options.colors) out.colors.push_back(vertices[v].color);
+    if (options.normals) out.normals.push_back(geometry::encode_octahedral(mesh.vertices[v].normal));
+    if (options.colors) out.colors.push_back(mesh.vertices[v].color);
   }
-  out.triangles = std::move(triangles);
+  out.triangles = std::move(mesh.triangles);
   return result;
 }
 
