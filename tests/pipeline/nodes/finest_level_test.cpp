@@ -56,6 +56,44 @@ TEST(LostSurface, IsRefusedBelowHalf) {
   }
 }
 
+TEST(FinestLevel, CompletesTheCounts) {
+  for (const double share : {1.0, 0.9}) {
+    facts::FinishedNodes finished = leaves(share, 7);
+    facts::FinishedNode node;
+    node.row.level = 2;
+    node.row.triangles = 5;
+    node.row.flags = container::kNodeIsLeaf | container::kNodeIsAboveLimit;
+    finished.add(node);
+    node.row.level = 3;
+    finished.add(node);
+    node.row.flags = 0;  // not of the finest level
+    finished.add(node);
+    facts::Catalog catalog = input();
+    catalog.counts.leaves_above_limit = 100;  // of an earlier call
+    catalog.counts.area_differs = 1;
+    catalog.counts.triangles = 77;
+    for (int call = 0; call < 2; ++call) {
+      count_finest_level(catalog, finished);
+      EXPECT_EQ(catalog.counts.finest_triangles, 17U);
+      EXPECT_EQ(catalog.counts.leaves_above_limit, 2U);
+      EXPECT_EQ(catalog.counts.area_differs, share == 1.0 ? 0U : 1U);
+      EXPECT_EQ(catalog.counts.triangles, 77U);
+    }
+  }
+}
+
+TEST(FinestLevel, IsComparedInTheLog) {
+  facts::Catalog catalog = input();
+  catalog.counts.finest_border_edges = 12;
+  catalog.counts.finest_nonmanifold_edges = 34;
+  ::testing::internal::CaptureStdout();
+  log_finest_level(catalog, leaves(0.9995, 7));
+  const std::string said = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(said.find("7 triangles, 99.9500 % of the input's area; 12 border and 34 non-manifold edges"),
+            std::string::npos)
+      << said;
+}
+
 TEST(FinestLevel, IsWarnedOfWhereItDiffers) {
   const auto said = [](double share) {
     ::testing::internal::CaptureStderr();
