@@ -83,7 +83,9 @@ def loops(border):
         np.minimum.at(label, local[:, 1], least)
         label = label[label]
         if (label == before).all():
-            return [border[label[local[:, 0]] == chain] for chain in np.unique(label)]
+            of_edge = label[local[:, 0]]
+            order = np.argsort(of_edge, kind="stable")
+            return np.split(border[order], np.flatnonzero(np.diff(of_edge[order])) + 1)
 
 
 class Census:

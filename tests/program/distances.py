@@ -61,5 +61,11 @@ def to_mesh(points, mesh, reach):
     entry = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs) + np.repeat(begin, pairs)
     for chunk in np.array_split(np.arange(len(point)), len(point) // 2_000_000 + 1):
         i, t = point[chunk], triangle[entry[chunk]]
+        # Cells are much wider than boxes grown by a small reach: most pairs are too far apart.
+        near = np.ones(len(i), bool)
+        for axis in range(3):
+            p = points[i, axis]
+            near &= (low[t, axis] <= p) & (p <= high[t, axis])
+        i, t = i[near], t[near]
         np.minimum.at(best, i, to_triangle_pairs(points[i], *(corners[t, k] for k in range(3))))
     return np.where(best <= reach, best, np.inf)
