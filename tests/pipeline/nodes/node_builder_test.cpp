@@ -87,10 +87,14 @@ TEST(NodeBuilder, TheChunkInScratchIsTheMeshAndTheRowCountsIt) {
     const auto decoded = codec::decode_on_lattice(payload.value(), {40, 38});
     ASSERT_TRUE(decoded) << decoded.defect().message;
     EXPECT_EQ(decoded.value(), mesh);
-    std::uint64_t sum = 0;
-    for (const std::uint64_t bytes : node.component_bytes) sum += bytes;
-    EXPECT_GT(sum, 0U);
-    EXPECT_LE(sum, node.row.stored_bytes);
+    EXPECT_EQ(node.chunk.file.stream, scratch::kKeptStream) << "it stays when phases are released";
+    // Sections without the head before them and without the rest behind them.
+    const codec::Payload encoded = codec::encode(mesh, codec);
+    const container::PackedChunk packed =
+        container::pack_chunk(encoded.bytes, {codec.zstd_level, encoded.cuts});
+    EXPECT_EQ(frame, packed.frame) << "at the level of " << codec.name;
+    for (std::size_t i = 0; i < node.component_bytes.size(); ++i)
+      EXPECT_EQ(node.component_bytes[i], packed.piece_bytes[i + 1]);
   }
 }
 
