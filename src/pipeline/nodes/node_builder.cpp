@@ -54,7 +54,7 @@ facts::FinishedNode NodeBuilder::store(const run::Workspace& workspace, const co
   }
   if (row.vertices == 0) add_position(empty_at_);
   set_bounds();
-  store_chunk(workspace, codec::encode(mesh, codec), codec);
+  store_chunk(workspace, codec, codec::encode(mesh, codec), node_);
   return node_;
 }
 
@@ -65,18 +65,18 @@ void NodeBuilder::set_bounds() {
   }
 }
 
-void NodeBuilder::store_chunk(const run::Workspace& workspace, const codec::Payload& payload,
-                              const codec::Codec& codec) {
+void store_chunk(const run::Workspace& workspace, const codec::Codec& codec, const codec::Payload& payload,
+                 facts::FinishedNode& node) {
   const container::PackedChunk chunk = container::pack_chunk(payload.bytes, {codec.zstd_level, payload.cuts});
-  container::NodeRow& row = node_.row;
+  container::NodeRow& row = node.row;
   row.capacity_class = chunk.capacity_class;
   row.payload_bytes = chunk.payload_bytes;
   row.stored_bytes = chunk.frame.size();
   row.checksum = chunk.checksum;
   // The first piece is the head.
   for (std::size_t i = 0; i < codec::coded::kComponentCount; ++i)
-    node_.component_bytes[i] = chunk.piece_bytes[i + 1];
-  node_.chunk =
+    node.component_bytes[i] = chunk.piece_bytes[i + 1];
+  node.chunk =
       workspace.writer.append_kept(static_cast<std::uint32_t>(facts::RecordKind::kChunk), chunk.frame);
 }
 

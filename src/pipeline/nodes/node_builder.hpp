@@ -23,6 +23,10 @@ struct StoredLattice {
 // Sum over the triangles, square units of the positions'.
 double area_of(std::span<const geometry::Point> positions, std::span<const mesh::Triangle> triangles);
 
+// Packs a payload, appends it to scratch as the node's chunk, and says so in the node. Not collective.
+void store_chunk(const run::Workspace& workspace, const codec::Codec& codec, const codec::Payload& payload,
+                 facts::FinishedNode& node);
+
 class NodeBuilder {
  public:
   // `center` is the node's in the node table. A node at which no vertex is added has its bounds there:
@@ -46,7 +50,6 @@ class NodeBuilder {
 
  private:
   void set_bounds();
-  void store_chunk(const run::Workspace& workspace, const codec::Payload& payload, const codec::Codec& codec);
 
   StoredLattice lattice_;
   facts::FinishedNode node_;

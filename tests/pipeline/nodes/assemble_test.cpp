@@ -10,7 +10,7 @@
 #include "container/reader.hpp"
 #include "pipeline/facts/count_table.hpp"
 #include "pipeline/facts/level_table.hpp"
-#include "pipeline/nodes/store_node.hpp"
+#include "pipeline/nodes/node_builder.hpp"
 #include "pipeline/test_build.hpp"
 
 namespace colossus::pipeline::nodes {
@@ -49,7 +49,7 @@ facts::FinishedNodes store_nodes(const run::Workspace& workspace, std::size_t co
         node.displacement = 0.5 * static_cast<double>(i);
         node.area = i % 4 == 0 ? 3.0 : 0.0;
         node.statistics.initial_triangles = 5 * i;
-        store_node(workspace, codec::codecs()[i % codec::codecs().size()], payload_of(i), node);
+        store_chunk(workspace, codec::codecs()[i % codec::codecs().size()], payload_of(i), node);
         core::ByteWriter writer;
         writer.put(node);
         return writer.take();
