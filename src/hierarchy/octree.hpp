@@ -32,6 +32,11 @@ struct CubeId {
   friend auto operator<=>(const CubeId&, const CubeId&) = default;
 
   CubeId parent() const { return {level - 1, x >> 1, y >> 1, z >> 1}; }
+  // The cube that holds it at this level, of at most its own.
+  CubeId ancestor(int at) const {
+    const int up = level - at;
+    return {at, x >> up, y >> up, z >> up};
+  }
   // Bit i of the octant: the upper half of axis i.
   CubeId child(int octant) const {
     return {level + 1, 2 * x + (octant & 1), 2 * y + (octant >> 1 & 1), 2 * z + (octant >> 2)};

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "pipeline/facts/option_table.hpp"
 #include "pipeline/schemes.hpp"
 
 namespace colossus::pipeline {
@@ -17,11 +18,26 @@ const nodes::Scheme& scheme_named(std::string_view name) {
   core::fail(core::Status::kUsage, "--scheme {} is unknown; choose one of {}", name, names);
 }
 
-std::string schemes_text() {
-  std::string text;
+std::string schemes_text(const char* nodes::Scheme::*text) {
+  std::string all;
   for (const nodes::Scheme* scheme : schemes())
-    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", scheme->name, scheme->description);
-  return text;
+    all += fmt::format("{}{}: {}", all.empty() ? "" : "; ", scheme->name, scheme->*text);
+  return all;
+}
+
+void refuse_options_of_other_schemes(const facts::BuildOptions& options) {
+  const auto has = [](const nodes::Scheme& scheme, std::string_view name) {
+    return std::any_of(scheme.options.begin(), scheme.options.end(),
+                       [&](const facts::SchemeOption& option) { return option.name == name; });
+  };
+  const nodes::Scheme& own = scheme_named(options.scheme);
+  for (const auto& [name, value] : options.of_scheme) {
+    if (has(own, name)) continue;
+    std::string owners;
+    for (const nodes::Scheme* scheme : schemes())
+      if (has(*scheme, name)) owners += fmt::format("{}{}", owners.empty() ? "" : " or ", scheme->name);
+    core::fail(core::Status::kUsage, "{} is an option of --scheme {} only", facts::flag_of(name), owners);
+  }
 }
 
 }  // namespace colossus::pipeline

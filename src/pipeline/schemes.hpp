@@ -16,7 +16,10 @@ std::span<const nodes::Scheme* const> schemes();
 // name.
 const nodes::Scheme& scheme_named(std::string_view name);
 
-// "diamonds: ...; blocks: ...", for --help.
-std::string schemes_text();
+// "diamonds: ...; blocks: ...", for --help, of this text of each scheme.
+std::string schemes_text(const char* nodes::Scheme::*text);
+
+// Throws Error(kUsage) when an option is given that the scheme has not.
+void refuse_options_of_other_schemes(const facts::BuildOptions& options);
 
 }  // namespace colossus::pipeline

@@ -13,6 +13,7 @@
 
 #include "cluster/session.hpp"
 #include "core/log.hpp"
+#include "pipeline/blocks/scheme.hpp"
 #include "pipeline/build.hpp"
 
 namespace {
@@ -46,7 +47,7 @@ void run(const cluster::Communicator& ranks, const pipeline::facts::BuildOptions
   const reader::blocks::Statue statue(options.output);
   fmt::print("level  triangles   locked  earlier\n");
   for (std::uint32_t level = statue.deepest_level(); level-- > 0;)
-    print_level(statue, level, options.has_shifted_blocks);
+    print_level(statue, level, pipeline::blocks::options_of(options).has_shifted_blocks);
 }
 
 }  // namespace
@@ -61,7 +62,7 @@ int main(int argc, char** argv) {
   options.inputs = {argv[2]};
   options.output = argv[3];
   options.scheme = hierarchy::kBlocks;
-  options.has_shifted_blocks = shift == "shifted";
+  options.of_scheme["shifted_blocks"] = shift == "shifted";
   if (argc == 5) options.leaf_triangles = std::strtoull(argv[4], nullptr, 10);
   return cluster::run_ranks(argc, argv, [&](cluster::Communicator& ranks) {
     run(ranks, options);

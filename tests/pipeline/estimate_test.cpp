@@ -169,15 +169,15 @@ TEST(Estimate, OfBlocksGrowsWithTheBlock) {
   const facts::Catalog catalog = catalog_of(400'000'000);
   std::uint64_t before = 0;
   for (const int size : {4, 8, 16, 32}) {
-    options.block_size = size;
+    options.of_scheme["block_size"] = std::int64_t{size};
     const auto now = estimate_of(options, catalog).memory_bytes_per_rank;
     EXPECT_GE(now, before) << size;
     before = now;
   }
-  options.block_size.reset();
+  options.of_scheme.clear();
   before = ~std::uint64_t{0};
   for (const int levels : {1, 3, 5, 7}) {
-    options.levels = levels;
+    options.of_scheme["levels"] = std::int64_t{levels};
     const auto now = estimate_of(options, catalog).memory_bytes_per_rank;
     EXPECT_LE(now, before) << levels;
     before = now;

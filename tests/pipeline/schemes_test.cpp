@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "hierarchy/octree.hpp"
+#include "pipeline/facts/option_table.hpp"
 
 namespace colossus::pipeline {
 namespace {
@@ -68,19 +69,42 @@ TEST(Blocks, TakeTheirOptionsWithinTheirRanges) {
       blocks, [](BuildOptions&) {}, ""));
   for (int levels = -2; levels < 20; ++levels)
     EXPECT_EQ(takes(
-                  blocks, [&](BuildOptions& o) { o.levels = levels; }, "--levels"),
+                  blocks, [&](BuildOptions& o) { o.of_scheme["levels"] = std::int64_t{levels}; }, "--levels"),
               levels >= 0 && levels <= 14);
   for (int size = -4; size < 100; ++size)
-    EXPECT_EQ(takes(
-                  blocks, [&](BuildOptions& o) { o.block_size = size; }, "--block-size"),
-              size % 4 == 0 && size >= hierarchy::kLeastBlockSize && size <= hierarchy::kGreatestBlockSize)
+    EXPECT_EQ(
+        takes(
+            blocks, [&](BuildOptions& o) { o.of_scheme["block_size"] = std::int64_t{size}; }, "--block-size"),
+        size % 4 == 0 && size >= hierarchy::kLeastBlockSize && size <= hierarchy::kGreatestBlockSize)
         << size;
   for (const double weight : {0.0, 0.5, 1e6})
     EXPECT_TRUE(takes(
-        blocks, [&](BuildOptions& o) { o.color_weight = weight; }, ""));
+        blocks, [&](BuildOptions& o) { o.of_scheme["color_weight"] = weight; }, ""));
   for (const double weight : {-0.1, std::nan(""), std::numeric_limits<double>::infinity()})
     EXPECT_FALSE(takes(
-        blocks, [&](BuildOptions& o) { o.color_weight = weight; }, "--color-weight"));
+        blocks, [&](BuildOptions& o) { o.of_scheme["color_weight"] = weight; }, "--color-weight"));
+}
+
+TEST(Schemes, OptionsOfAnotherSchemeAreRefused) {
+  for (const nodes::Scheme* owner : schemes())
+    for (const facts::SchemeOption& option : owner->options)
+      for (const nodes::Scheme* scheme : schemes()) {
+        BuildOptions options;
+        options.scheme = scheme->name;
+        options.of_scheme[option.name] = option.fallback;
+        if (scheme == owner) {
+          EXPECT_NO_THROW(refuse_options_of_other_schemes(options)) << option.name;
+          continue;
+        }
+        try {
+          refuse_options_of_other_schemes(options);
+          ADD_FAILURE() << option.name;
+        } catch (const core::Error& error) {
+          EXPECT_EQ(error.status(), core::Status::kUsage);
+          EXPECT_EQ(std::string(error.what()), fmt::format("{} is an option of --scheme {} only",
+                                                           facts::flag_of(option.name), owner->name));
+        }
+      }
 }
 
 }  // namespace

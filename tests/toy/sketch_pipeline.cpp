@@ -89,13 +89,11 @@ facts::FinishedNode store_node(const run::Workspace& workspace, const facts::Cat
 // The triangles whose barycentres lie in the bucket, by the cube that these lie in, with their vertices.
 std::map<CubeId, mesh::Mesh> by_cube(const buckets::LoadedBucket& bucket) {
   std::map<CubeId, mesh::Mesh> cubes;
-  const int finer = kCubeLevel - bucket.cube.depth;
   for (const mesh::Triangle& t : bucket.mesh.triangles) {
     const auto& vertices = bucket.mesh.vertices;
     const CubeId id = hierarchy::cube_of_barycenter(vertices[t[0]].position, vertices[t[1]].position,
                                                     vertices[t[2]].position, kCubeLevel, geometry::kRootBits);
-    if (id.x >> finer != bucket.cube.x || id.y >> finer != bucket.cube.y || id.z >> finer != bucket.cube.z)
-      continue;
+    if (id.ancestor(bucket.cube.level) != bucket.cube) continue;
     mesh::Mesh& cube = cubes[id];
     if (cube.vertices.empty()) cube.vertices = vertices;  // the unused go when it is welded
     cube.triangles.push_back(t);
@@ -221,7 +219,7 @@ nodes::NodeNeeds estimate(const facts::BuildOptions&, const facts::Catalog& cata
 
 }  // namespace
 
-const nodes::Scheme kSketchScheme{kSketch, "the input, and a sketch of it", [](const facts::BuildOptions&) {},
-                                  &estimate, &build};
+const nodes::Scheme kSketchScheme{kSketch, "the input, and a sketch of it",   "nothing", "nothing",
+                                  {},      [](const facts::BuildOptions&) {}, &estimate, &build};
 
 }  // namespace colossus::toy

@@ -166,13 +166,12 @@ void assign_to_cubes(const run::Workspace& workspace, const Grid& grid, const hi
     std::uint32_t triangle;
   };
   std::vector<Assigned> assigned;
-  const int finer = grid.levels - cube.level;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const mesh::Triangle& t = mesh.triangles[i];
     const Point &p = mesh.vertices[t[0]].position, &q = mesh.vertices[t[1]].position,
                 &r = mesh.vertices[t[2]].position;
     const CubeId id = hierarchy::cube_of_barycenter(p, q, r, grid.levels, geometry::kRootBits);
-    if (id.x >> finer != cube.x || id.y >> finer != cube.y || id.z >> finer != cube.z) continue;
+    if (id.ancestor(cube.level) != cube) continue;
     out.counts.longest_edge = std::max(out.counts.longest_edge, longest_side(p, q, r));
     assigned.push_back({id, i});
   }
@@ -259,10 +258,10 @@ std::int64_t Grid::longest_edge() const { return longest_edge_at(levels); }
 
 Grid choose_grid(const run::Workspace& workspace, const facts::Catalog& catalog,
                  std::span<const ingest::TriangleGroup> groups) {
+  const std::optional<std::int64_t> levels = options_of(workspace.options).levels;
   LevelCensus census;
   run_phase(
-      workspace, "census", workspace.options.levels ? 0 : groups.size(),
-      [&](std::size_t i) { return group_task(groups[i]); },
+      workspace, "census", levels ? 0 : groups.size(), [&](std::size_t i) { return group_task(groups[i]); },
       [&](std::span<const std::byte> task) {
         const LevelCensus own = take_census(ingest::load_group(workspace, catalog, task));
         ByteWriter writer;
@@ -283,7 +282,7 @@ Grid choose_grid(const run::Workspace& workspace, const facts::Catalog& catalog,
   workspace.ranks.attempt([&] {
     if (!workspace.ranks.is_root()) return;
     const facts::BuildOptions& options = workspace.options;
-    grid.levels = options.levels ? *options.levels : choose_level(census, options.leaf_triangles);
+    grid.levels = levels ? static_cast<std::int32_t>(*levels) : choose_level(census, options.leaf_triangles);
     grid.position_bits = choose_position_bits(options, catalog, grid.levels);
   });
   broadcast_value(workspace.ranks, grid);

@@ -1,5 +1,6 @@
 #include "pipeline/blocks/scheme.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "core/log.hpp"
@@ -13,6 +14,12 @@
 namespace colossus::pipeline::blocks {
 namespace {
 
+constexpr std::array<facts::SchemeOption, 4> kOptions{
+    {{"block_size", "cubes along a block; default: 4", std::int64_t{kDefaultBlockSize}, true},
+     {"levels", "the deepest level, instead of the one that fits", std::int64_t{0}, true},
+     {"color_weight", "mean edge lengths that a full change of colour counts when simplifying", 0.0},
+     {"shifted_blocks", nullptr, true, false, facts::Stored::kNever}}};
+
 // The deepest level.
 int deepest_level(const facts::BuildOptions& options, const facts::Catalog& catalog,
                   const ingest::Occupancy& occupancy) {
@@ -21,7 +28,7 @@ int deepest_level(const facts::BuildOptions& options, const facts::Catalog& cata
   while (level < geometry::kRootBits &&
          triangles > static_cast<double>(options.leaf_triangles) * occupancy.cubes_at(level))
     ++level;
-  return options.levels.value_or(level);
+  return static_cast<int>(options_of(options).levels.value_or(level));
 }
 
 // Of builds of statues of 0.1 to 6 million triangles, see src/README.md.
@@ -35,9 +42,9 @@ nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catal
   const auto triangles = static_cast<double>(catalog.counts.triangles);
   const auto vertices = static_cast<double>(catalog.counts.vertices);
   const int level = deepest_level(options, catalog, occupancy);
-  const double most = most_in_block(occupancy, level, options.block_size.value_or(kDefaultBlockSize));
+  const double most = most_in_block(occupancy, level, static_cast<int>(options_of(options).block_size));
   nodes::NodeNeeds needs;
-  const bool weighs_colors = catalog.has_colors && options.color_weight > 0.0;
+  const bool weighs_colors = catalog.has_colors && options_of(options).color_weight > 0.0;
   needs.task_bytes =
       static_cast<double>(bytes_per_triangle(weighs_colors)) * most / std::max(vertices, 1.0) * triangles;
   needs.stored_triangles = 4.0 / 3.0;  // each level has a quarter of the next
@@ -54,16 +61,16 @@ void check(const facts::BuildOptions& options) {
     core::fail(Status::kUsage, "--position-bits {} is out of range; choose {} to {}", options.position_bits,
                codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
   const int most_levels = geometry::kRootBits - codec::coded::kMaxPositionBits;
-  if (options.levels && (*options.levels < 0 || *options.levels > most_levels))
-    core::fail(Status::kUsage, "--levels {} is out of range; choose 0 to {}", *options.levels, most_levels);
-  if (options.block_size &&
-      (*options.block_size < hierarchy::kLeastBlockSize ||
-       *options.block_size > hierarchy::kGreatestBlockSize || *options.block_size % 4 != 0))
+  const Options own = options_of(options);
+  if (own.levels && (*own.levels < 0 || *own.levels > most_levels))
+    core::fail(Status::kUsage, "--levels {} is out of range; choose 0 to {}", *own.levels, most_levels);
+  if (own.block_size < hierarchy::kLeastBlockSize || own.block_size > hierarchy::kGreatestBlockSize ||
+      own.block_size % 4 != 0)
     core::fail(Status::kUsage, "--block-size {} is out of range; choose a multiple of 4, {} to {}",
-               *options.block_size, hierarchy::kLeastBlockSize, hierarchy::kGreatestBlockSize);
-  if (!std::isfinite(options.color_weight) || options.color_weight < 0.0)
+               own.block_size, hierarchy::kLeastBlockSize, hierarchy::kGreatestBlockSize);
+  if (!std::isfinite(own.color_weight) || own.color_weight < 0.0)
     core::fail(Status::kUsage, "--color-weight {} is out of range; choose 0 or a positive number",
-               options.color_weight);
+               own.color_weight);
 }
 
 facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& catalog,
@@ -89,25 +96,42 @@ facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& cata
   settings.grid = grid;
   settings.codec = &codec::codec_named(workspace.options.codec);
   settings.has_colors = catalog.has_colors;
-  settings.color_weight = workspace.options.color_weight;
+  const Options options = options_of(workspace.options);
+  settings.color_weight = options.color_weight;
   settings.rounding_error = rounding_error;
-  settings.block_size = workspace.options.block_size.value_or(kDefaultBlockSize);
-  settings.has_shifted_blocks = workspace.options.has_shifted_blocks;
+  settings.block_size = static_cast<int>(options.block_size);
+  settings.has_shifted_blocks = options.has_shifted_blocks;
   workspace.ranks.attempt([&] {
     if (workspace.ranks.is_root())
       require_tolerance(workspace.options, settings.input_error(leaves.displacement));
   });
   facts::FinishedNodes finished = build_levels(workspace, settings, std::move(leaves), catalog);
-  facts::BuildOptions chosen = workspace.options;
-  chosen.block_size = settings.block_size;
-  chosen.levels = grid.levels;
-  finished.options = stored_options(chosen, hierarchy::kBlocks);
+  facts::SchemeValues chosen = workspace.options.of_scheme;
+  chosen["block_size"] = std::int64_t{settings.block_size};
+  chosen["levels"] = std::int64_t{grid.levels};
+  finished.options = stored_values(kOptions, chosen);
   return finished;
 }
 
 }  // namespace
 
-const nodes::Scheme kScheme{hierarchy::kBlocks, "uncut triangles, continuous morphing, painted models",
-                            &check, &estimate, &build};
+Options options_of(const facts::BuildOptions& options) {
+  Options own;
+  own.levels = facts::given_value<std::int64_t>(options.of_scheme, "levels");
+  own.block_size = facts::given_value<std::int64_t>(options.of_scheme, "block_size").value_or(own.block_size);
+  own.color_weight = facts::given_value<double>(options.of_scheme, "color_weight").value_or(own.color_weight);
+  own.has_shifted_blocks =
+      facts::given_value<bool>(options.of_scheme, "shifted_blocks").value_or(own.has_shifted_blocks);
+  return own;
+}
+
+const nodes::Scheme kScheme{hierarchy::kBlocks,
+                            "uncut triangles, continuous morphing, painted models",
+                            "on average per cube of the deepest level",
+                            "along a cube of the deepest level",
+                            kOptions,
+                            &check,
+                            &estimate,
+                            &build};
 
 }  // namespace colossus::pipeline::blocks

@@ -2,6 +2,8 @@
 // collapses (Li 2024, chapter 3).
 #pragma once
 
+#include <optional>
+
 #include "pipeline/nodes/scheme.hpp"
 
 namespace colossus::pipeline::blocks {
@@ -13,5 +15,16 @@ inline constexpr int kDefaultBlockSize = 4;
 inline constexpr double kGreatestSigma = 0.3;
 
 extern const nodes::Scheme kScheme;
+
+// What a user asks of blocks alone; see the table of options in scheme.cpp.
+struct Options {
+  std::optional<std::int64_t> levels;
+  std::int64_t block_size = kDefaultBlockSize;
+  double color_weight = 0.0;  // see simplify::Region
+  // False: the borders of all levels lie on top of each other. For tests/bench/clefts, which shows what
+  // shifting is for; no option of the program, and not known to readers.
+  bool has_shifted_blocks = true;
+};
+Options options_of(const facts::BuildOptions& options);
 
 }  // namespace colossus::pipeline::blocks

@@ -147,7 +147,13 @@ facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& cata
 
 }  // namespace
 
-const nodes::Scheme kScheme{hierarchy::kDiamonds, "cut triangles, the smallest error, cuts of any shape",
-                            &check, &estimate, &build};
+const nodes::Scheme kScheme{hierarchy::kDiamonds,
+                            "cut triangles, the smallest error, cuts of any shape",
+                            "per leaf tetrahedron",
+                            "per barycentric weight",
+                            {},
+                            &check,
+                            &estimate,
+                            &build};
 
 }  // namespace colossus::pipeline::diamonds

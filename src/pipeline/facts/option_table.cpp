@@ -16,11 +16,6 @@ std::string text_of(const T& value) {
   return fmt::format("{}", value);  // of a bool: true or false
 }
 
-bool is_of(const Option& option, const char* scheme) {
-  if (option.scheme == nullptr || scheme == nullptr) return option.scheme == scheme;
-  return std::string_view(option.scheme) == scheme;
-}
-
 template <typename Member>
 bool is_default(const BuildOptions& options, Member member) {
   return std::invoke(member, options) == std::invoke(member, BuildOptions{});
@@ -28,8 +23,8 @@ bool is_default(const BuildOptions& options, Member member) {
 
 }  // namespace
 
-std::string flag_of(const Option& option) {
-  std::string flag = fmt::format("--{}", option.name);
+std::string flag_of(std::string_view name) {
+  std::string flag = fmt::format("--{}", name);
   std::replace(flag.begin(), flag.end(), '_', '-');
   return flag;
 }
@@ -40,25 +35,19 @@ std::vector<container::NamedText> shaping_options(const BuildOptions& options) {
     if (const auto* value = given(std::invoke(member, options)))
       texts.push_back({option.name, text_of(*value)});
   });
+  for (const auto& [name, value] : options.of_scheme) texts.push_back({name, text_of(value)});
   return texts;
 }
 
-std::vector<container::NamedText> stored_options(const BuildOptions& chosen, const char* scheme) {
+std::vector<container::NamedText> stored_options(const BuildOptions& chosen) {
   std::vector<container::NamedText> texts;
   for_each_shaping_option([&](const Option& option, auto member) {
-    if (option.stored == Stored::kNever || !is_of(option, scheme)) return;
+    if (option.stored == Stored::kNever) return;
     if (option.stored == Stored::kUnlessDefault && is_default(chosen, member)) return;
     if (const auto* value = given(std::invoke(member, chosen)))
       texts.push_back({option.name, text_of(*value)});
   });
   return texts;
-}
-
-void refuse_options_of_other_schemes(const BuildOptions& options) {
-  for_each_shaping_option([&](const Option& option, auto member) {
-    if (option.scheme == nullptr || option.scheme == options.scheme || is_default(options, member)) return;
-    core::fail(core::Status::kUsage, "{} is an option of --scheme {} only", flag_of(option), option.scheme);
-  });
 }
 
 }  // namespace colossus::pipeline::facts

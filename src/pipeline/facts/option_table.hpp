@@ -1,12 +1,12 @@
-// The table of all options of a build. Command line, manifest, container, report and their tests follow it,
+// The table of the options that builds of all schemes have; scheme_options.hpp is about the others. Command line, manifest, container, report and their tests follow it,
 // so that a new option is a member of BuildOptions and one line here.
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "container/schema.hpp"
-#include "hierarchy/octree.hpp"
 #include "pipeline/facts/options.hpp"
 #include "pipeline/facts/stored.hpp"
 
@@ -22,7 +22,6 @@ struct Option {
   const char* help;  // nullptr: tests and benchmarks have it, the program has not
   // Of what shapes bytes:
   Stored stored = Stored::kNever;
-  const char* scheme = nullptr;  // the only one that has it; nullptr: all have it
 };
 
 // Each of these calls visit(option, pointer to the member of BuildOptions) in the order of --help.
@@ -35,35 +34,19 @@ constexpr void for_each_file_option(Visit visit) {
   visit(Option{"output", "The container to write, e.g. statue.h5"}, &O::output);
 }
 
-// What shapes the container's bytes, and so is in the manifest and in the report; within the options of one
-// scheme, and of all, in the order of the container's table.
+// What shapes the container's bytes, and so is in the manifest and in the report; in the order of the
+// container's table, which the options of the scheme follow.
 template <typename Visit>
 constexpr void for_each_shaping_option(Visit visit) {
   using O = BuildOptions;
-  constexpr const char* kBlocks = hierarchy::kBlocks;
   visit(Option{"scheme", "The shape of nodes"}, &O::scheme);
-  visit(
-      Option{"leaf_triangles",
-             "Most triangles per leaf tetrahedron; of blocks: most on average per cube of the deepest level",
-             Stored::kAlways},
-      &O::leaf_triangles);
-  visit(Option{"position_bits",
-               "Bits per barycentric weight, 8 to 16; of blocks: along a cube of the deepest level",
-               Stored::kAlways},
-        &O::position_bits);
+  visit(Option{"leaf_triangles", "Most triangles", Stored::kAlways}, &O::leaf_triangles);
+  visit(Option{"position_bits", "Bits of a position, 8 to 16", Stored::kAlways}, &O::position_bits);
   visit(Option{"codec", "How nodes are stored", Stored::kAlways}, &O::codec);
   visit(Option{"tolerance",
                "Largest quantisation error of the finest level in the input's units; chooses the bits",
                Stored::kUnlessDefault},
         &O::tolerance);
-  visit(Option{"block_size", "cubes along a block; default: 4", Stored::kUnlessDefault, kBlocks},
-        &O::block_size);
-  visit(Option{"levels", "the deepest level, instead of the one that fits", Stored::kUnlessDefault, kBlocks},
-        &O::levels);
-  visit(Option{"color_weight", "mean edge lengths that a full change of colour counts when simplifying",
-               Stored::kUnlessDefault, kBlocks},
-        &O::color_weight);
-  visit(Option{"shifted_blocks", nullptr, Stored::kNever, kBlocks}, &O::has_shifted_blocks);
   visit(
       Option{"keep_outliers", "Go on although a few far corners make the lattice coarser than the triangles",
              Stored::kUnlessDefault},
@@ -112,16 +95,13 @@ const T* given(const T& value) {
 }
 
 // "--leaf-triangles" of "leaf_triangles".
-std::string flag_of(const Option& option);
+std::string flag_of(std::string_view name);
 
-// All that shape bytes and are given, for the manifest.
+// All that shape bytes and are given, those of the scheme too, for the manifest.
 std::vector<container::NamedText> shaping_options(const BuildOptions& options);
 
-// Those that a container stores: of all schemes if `scheme` is nullptr, else of that one alone. `chosen`
-// holds what the build has chosen where the user has not.
-std::vector<container::NamedText> stored_options(const BuildOptions& chosen, const char* scheme);
-
-// Throws Error(kUsage) when an option is given that the scheme has not.
-void refuse_options_of_other_schemes(const BuildOptions& options);
+// Those of all schemes that a container stores. `chosen` holds what the build has chosen where the user has
+// not.
+std::vector<container::NamedText> stored_options(const BuildOptions& chosen);
 
 }  // namespace colossus::pipeline::facts

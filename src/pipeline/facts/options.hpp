@@ -1,4 +1,4 @@
-// What a user asks of a build. Each member but `command` is a line in option_table.hpp.
+// What a user asks of a build. Each member but `command` and `of_scheme` is a line in option_table.hpp.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 
 #include "codec/codec.hpp"
 #include "codec/coded/weights.hpp"
+#include "pipeline/facts/scheme_options.hpp"
 
 namespace colossus::pipeline::facts {
 
@@ -20,7 +21,7 @@ struct BuildOptions {
   // Since the start of the program, after which the build stops; see core::parse_duration().
   std::optional<std::string> time_limit;
   std::string scheme;                   // empty: the first in pipeline/schemes.cpp
-  std::uint64_t leaf_triangles = 8000;  // per tetrahedron, after clipping; on average per cube
+  std::uint64_t leaf_triangles = 8000;  // of a leaf, as the scheme counts
   int position_bits = codec::coded::kDefaultPositionBits;
   std::optional<double> tolerance;  // world units; chooses position_bits
   bool drop_textures = false;
@@ -32,13 +33,7 @@ struct BuildOptions {
   bool is_dry_run = false;           // ends after the estimate
   std::vector<std::string> command;  // the words of the command line, for the report
   std::string codec = codec::codecs().front().name;
-  // Of blocks alone.
-  std::optional<int> levels;      // the deepest level, instead of the one that leaf_triangles gives
-  std::optional<int> block_size;  // cubes along a block
-  double color_weight = 0.0;      // of colours in the error of a collapse, see simplify::Region
-  // False: the borders of all levels lie on top of each other. For tests/bench/clefts, which shows what
-  // shifting is for; no option of the program, and not known to readers.
-  bool has_shifted_blocks = true;
+  SchemeValues of_scheme;  // options that the scheme alone has, as they were given
 };
 
 // Inner nodes keep at least this many triangles per non-empty tetrahedron: strict halving would let nodes

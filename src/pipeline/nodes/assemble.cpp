@@ -21,7 +21,7 @@ std::vector<container::NamedText> options_of(const facts::BuildOptions& options,
                                              const facts::FinishedNodes& finished) {
   facts::BuildOptions chosen = options;
   chosen.position_bits = finished.position_bits;
-  std::vector<container::NamedText> texts = stored_options(chosen, nullptr);
+  std::vector<container::NamedText> texts = stored_options(chosen);
   texts.insert(texts.end(), finished.options.begin(), finished.options.end());
   return texts;
 }

@@ -3,6 +3,7 @@
 // node is stored. Everything else is written once.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "pipeline/facts/catalog.hpp"
@@ -25,7 +26,10 @@ struct NodeNeeds {
 
 struct Scheme {
   const char* name;
-  const char* description;  // one line, for --help
+  const char* description;                       // one line, for --help; likewise:
+  const char* leaf_triangles_of;                 // "per leaf": what --leaf-triangles are triangles of
+  const char* position_bits_of;                  // "per weight": what --position-bits are bits of
+  std::span<const facts::SchemeOption> options;  // beside those that all schemes have
   // Throws Error(kUsage) for options that make no sense for it. Not collective.
   void (*check)(const facts::BuildOptions& options);
   // From the counts of the survey. Not collective.

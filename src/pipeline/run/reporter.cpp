@@ -87,6 +87,8 @@ ordered_json options_json(const facts::BuildOptions& options) {
     const auto* value = facts::given(std::invoke(member, options));
     if (option.help != nullptr && value != nullptr) json[option.name] = *value;
   });
+  for (const auto& [name, value] : options.of_scheme)
+    std::visit([&](const auto& v) { json[name] = v; }, value);
   return json;
 }
 

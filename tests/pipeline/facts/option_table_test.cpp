@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <set>
 #include <type_traits>
@@ -32,13 +33,13 @@ TEST(OptionTable, EachMemberOfTheOptionsIsALine) {
   // Does not compile when there is a new member: it wants a line in the table, and a name here.
   [[maybe_unused]] auto& [inputs, output, scratch, resume, time_limit, scheme, leaf_triangles, position_bits,
                           tolerance, drop_textures, is_lenient, keep_outliers, memory, status_file,
-                          report_file, is_dry_run, command, codec, levels, block_size, color_weight,
-                          has_shifted_blocks] = options;
-  constexpr std::size_t kMembers = 22;
+                          report_file, is_dry_run, command, codec, of_scheme] = options;
+  constexpr std::size_t kMembers = 19;
   std::set<const void*> found;
   for_each_option([&](const Option&, auto member) { found.insert(&std::invoke(member, options)); });
-  EXPECT_EQ(found.size(), kMembers - 1);
+  EXPECT_EQ(found.size(), kMembers - 2);
   EXPECT_EQ(found.count(&command), 0U) << "the words of the command line are no option";
+  EXPECT_EQ(found.count(&of_scheme), 0U) << "the schemes have these";
 }
 
 TEST(OptionTable, EachThatShapesBytesIsInTheManifest) {
@@ -80,32 +81,38 @@ TEST(OptionTable, TheContainerStoresWhatWasChosen) {
   BuildOptions options;
   options.position_bits = 9;
   options.is_lenient = true;
-  options.block_size = 8;
   using Texts = std::vector<container::NamedText>;
   EXPECT_EQ(
-      stored_options(options, nullptr),
+      stored_options(options),
       (Texts{{"leaf_triangles", "8000"}, {"position_bits", "9"}, {"codec", "predict"}, {"lenient", "true"}}));
-  EXPECT_EQ(stored_options(options, hierarchy::kBlocks), (Texts{{"block_size", "8"}}));
-  EXPECT_EQ(stored_options(options, hierarchy::kDiamonds), Texts{});
 }
 
-TEST(OptionTable, OptionsOfAnotherSchemeAreRefused) {
-  for_each_shaping_option([&](const Option& option, auto member) {
-    if (option.scheme == nullptr) return;
-    BuildOptions options;
-    options.scheme = option.scheme;
-    change(std::invoke(member, options));
-    EXPECT_NO_THROW(refuse_options_of_other_schemes(options)) << option.name;
-    options.scheme = "another";
-    try {
-      refuse_options_of_other_schemes(options);
-      ADD_FAILURE() << option.name;
-    } catch (const core::Error& error) {
-      EXPECT_EQ(error.status(), core::Status::kUsage);
-      EXPECT_EQ(std::string(error.what()),
-                fmt::format("{} is an option of --scheme {} only", flag_of(option), option.scheme));
-    }
-  });
+TEST(SchemeOptions, TheManifestHoldsWhatWasGiven) {
+  BuildOptions options;
+  const scratch::Manifest before = manifest_with(options);
+  for (const OptionValue& value : {OptionValue(true), OptionValue(std::int64_t{7}), OptionValue(0.5)}) {
+    options.of_scheme["of_some_scheme"] = value;
+    const scratch::Manifest after = manifest_with(options);
+    EXPECT_NE(after.key(), before.key());
+    EXPECT_NE(after.difference_from(before).find("of_some_scheme"), std::string::npos);
+  }
+}
+
+TEST(SchemeOptions, TheContainerStoresWhatWasChosenInTheOrderOfTheScheme) {
+  constexpr std::array<SchemeOption, 5> kOptions{{{"z_size", "", std::int64_t{4}, true},
+                                                  {"weight", "", 0.0},
+                                                  {"always", "", true, false, Stored::kAlways},
+                                                  {"never", "", true, false, Stored::kNever},
+                                                  {"a_level", "", std::int64_t{0}, true}}};
+  using Texts = std::vector<container::NamedText>;
+  EXPECT_EQ(stored_values(kOptions, {}), Texts{});
+  EXPECT_EQ(stored_values(kOptions, {{"a_level", std::int64_t{0}},
+                                     {"z_size", std::int64_t{4}},
+                                     {"weight", 0.0},
+                                     {"always", true},
+                                     {"never", false}}),
+            (Texts{{"z_size", "4"}, {"always", "true"}, {"a_level", "0"}}));
+  EXPECT_EQ(stored_values(kOptions, {{"weight", 0.25}}), (Texts{{"weight", "0.25"}}));
 }
 
 }  // namespace

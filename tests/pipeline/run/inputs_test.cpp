@@ -51,7 +51,7 @@ TEST(Manifest, SaysWhatDiffersAndSurvivesItsText) {
   options.tolerance = 0.1;
   const scratch::Manifest one = manifest_of(options, kInputs);
   EXPECT_EQ(scratch::Manifest::parse(one.text()), one);
-  options.color_weight = 2.0;
+  options.of_scheme["color_weight"] = 2.0;
   EXPECT_NE(manifest_of(options, kInputs).difference_from(one).find("color_weight"), std::string::npos);
 }
 

@@ -101,8 +101,8 @@ std::pair<nlohmann::json, nlohmann::json> report(const core::Error* failure) {
   options.status_file = folder / "status.json";
   options.report_file = folder / "report.json";
   options.tolerance = 0.5;
-  options.levels = 3;
-  options.block_size = 8;
+  options.of_scheme["levels"] = std::int64_t{3};
+  options.of_scheme["block_size"] = std::int64_t{8};
   TestBuild build(folder, options);
   if (world().is_root()) {
     EXPECT_EQ(read_json(folder / "status.json")["state"], "running");
