@@ -128,6 +128,7 @@ TEST(BucketMesh, WhateverRoundingTakesTheSurfaceIsThere) {
   }
   EXPECT_GT(lost, 300U);
   EXPECT_GT(revived, 50U);
+  EXPECT_GT(fins, 0U);
 }
 
 TEST(BucketMesh, AFinThatRoundingFoldsFlatGoesWithBothSides) {

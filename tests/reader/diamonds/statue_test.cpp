@@ -76,6 +76,7 @@ TEST(Statue, DecodesWhatWasEncodedAndCachesWithinItsLimit) {
     all_bytes += node->memory_bytes();
   }
   const std::size_t two = statue->node(0)->memory_bytes() + statue->node(1)->memory_bytes();
+  EXPECT_LT(two, all_bytes);
   const Statue small(fixture.path(), {two});
   const std::weak_ptr<const Node> first = small.node(0);
   EXPECT_FALSE(first.expired());
