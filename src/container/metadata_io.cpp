@@ -38,6 +38,7 @@ std::uint32_t widest(const std::vector<Entry>& entries, std::string Entry::*memb
 template <typename Entry>
 std::vector<std::string> names_of(const std::vector<Entry>& entries) {
   std::vector<std::string> names;
+  names.reserve(entries.size());
   for (const Entry& entry : entries) names.push_back(entry.name);
   return names;
 }

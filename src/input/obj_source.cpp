@@ -10,8 +10,8 @@
 // follows.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <set>
@@ -29,6 +29,12 @@ using core::fail;
 using core::Status;
 
 constexpr std::uint32_t kNoNormal = std::numeric_limits<std::uint32_t>::max();
+
+// Equal to itself also where it is not a number.
+std::array<std::uint32_t, 3> bits_of(const std::array<float, 3>& normal) {
+  return std::bit_cast<std::array<std::uint32_t, 3>>(normal);
+}
+
 // Distinct unknown statements that are listed; a file that is no OBJ may hold any number.
 constexpr std::size_t kMaxListed = 100;
 constexpr std::size_t kMostListedBytes = 40;
@@ -145,7 +151,7 @@ class Scan {
       if (!has_consistent_normals) return;
       normal_of_vertex.resize(vertex_count, kNoNormal);
       std::uint32_t& known = normal_of_vertex[vertex];
-      if (known != kNoNormal && std::memcmp(&normals[known], &normals[normal], sizeof(normals[normal])) != 0)
+      if (known != kNoNormal && bits_of(normals[known]) != bits_of(normals[normal]))
         has_consistent_normals = false;
       known = static_cast<std::uint32_t>(normal);
     }

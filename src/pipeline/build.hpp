@@ -13,9 +13,9 @@ struct BuildReport {
   bool is_dry_run = false;  // nothing was built
 };
 
-// Builds options.output. Collective, once per program: signals to stop are watched for from then on. On any
-// error no output is left behind. Scratch is left for a later attempt with options.resume, unless a first
+// Builds asked.output. Collective, once per program: signals to stop are watched for from then on. On any
+// error no output is left behind. Scratch is left for a later attempt with asked.resume, unless a first
 // attempt fails with status kUsage or kBadData, which another one would meet again.
-BuildReport build(const cluster::Communicator& ranks, const facts::BuildOptions& options);
+BuildReport build(const cluster::Communicator& ranks, const facts::BuildOptions& asked);
 
 }  // namespace colossus::pipeline

@@ -66,6 +66,7 @@ class PairFinder {
     for (std::size_t i = 0; i < first.size(); ++i)
       if (first[i] != i) by_first.try_emplace(first[i], 1, first[i]).first->second.push_back(i);
     std::vector<std::vector<std::size_t>> groups;
+    groups.reserve(by_first.size());
     for (auto& [i, group] : by_first) groups.push_back(std::move(group));
     return groups;
   }

@@ -62,6 +62,7 @@ class LevelBuilder {
       task.triangles += cubes_[i].record.triangles;
     }
     std::vector<PlannedBlock> blocks;
+    blocks.reserve(by_block.size());
     for (auto& [block, planned] : by_block) blocks.push_back(std::move(planned));
     return blocks;
   }

@@ -142,7 +142,9 @@ class BucketCutter {
       for (std::size_t p = 0; p < 3; ++p)
         for (const Point& corner : t.corners)
           is_here &= is_above[p] ? planes[p].side(corner) >= 0 : planes[p].side(corner) <= 0;
-      if (is_here) descend(t, 0, std::move(mesh));
+      if (!is_here) continue;
+      descend(t, 0, std::move(mesh));
+      return;
     }
   }
 
@@ -218,7 +220,7 @@ class Partitioner {
           BucketCutter(bucket.cube, refiner, out).cut(std::move(bucket.mesh));
           return out.to_bytes();
         },
-        [&](std::size_t i, Bytes result) { results[i] = Refinement::from_bytes(result); });
+        [&](std::size_t i, const Bytes& result) { results[i] = Refinement::from_bytes(result); });
     partition_.first_phase = last_phase(workspace_);
     release_phases_up_to(workspace_, partition_.first_phase - 1);
     for (Refinement& result : results) take(std::move(result));
@@ -279,7 +281,7 @@ class Partitioner {
                           std::move(nodes::load(workspace_, leaf.record).mesh), growth, out);
           return out.to_bytes();
         },
-        [&](std::size_t i, Bytes result) { results[i] = Refinement::from_bytes(result); });
+        [&](std::size_t i, const Bytes& result) { results[i] = Refinement::from_bytes(result); });
     for (Refinement& result : results) take(std::move(result));
     share_splits();
     return true;
