@@ -285,7 +285,7 @@ TEST(Reader, OpensInTimeThatGrowsAsTheNodesDo) {
       sample.rows.back().center = {static_cast<std::int32_t>(i), 0, 0};
       sample.chunks.push_back(few.chunks[i % 64]);
     }
-    const auto path = folder / fmt::format("{}.h5", nodes).c_str();
+    std::filesystem::path path = folder / fmt::format("{}.h5", nodes);
     write_sample(sample, path);
     return path;
   };

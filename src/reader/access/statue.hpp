@@ -80,10 +80,10 @@ class Statue {
   // Reads, decodes and checks a node as far as no scheme differs: its attributes are the container's, its
   // counts the row's. Throws Error(kBadData) that names file, level and centre when its bytes are damaged or
   // are not what row and metadata say, Error(kIo) when the device fails. Keeps nothing. Thread-safe.
-  codec::coded::CodedNode decode_node(RowIndex row, Decode decode) const;
+  codec::coded::CodedNode decode_node(RowIndex index, Decode decode) const;
 
  private:
-  void check_row(RowIndex row) const;
+  void check_row(RowIndex index) const;
   container::ContainerReader container_;
 };
 

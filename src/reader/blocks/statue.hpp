@@ -52,7 +52,7 @@ class Statue final : public access::Statue {
   // are damaged or are not what the row and the metadata say (attributes, parents, counts, positions within
   // the root cube), Error(kIo) when the device fails. That parents are in range is checked by who has the
   // parent. Keeps nothing. Thread-safe.
-  codec::coded::CodedNode load(access::RowIndex row) const;
+  codec::coded::CodedNode load(access::RowIndex index) const;
   // The same through the cache. Thread-safe.
   std::shared_ptr<const codec::coded::CodedNode> node(access::RowIndex row) const;
 

@@ -76,7 +76,7 @@ class Statue final : public access::Statue {
   // Reads, checks and decodes a node. Throws Error(kBadData) that names file, level and centre when its bytes
   // are damaged or are not what the row and the metadata say (places, attributes, position bits, counts),
   // Error(kIo) when the device fails. Keeps nothing. Thread-safe.
-  Node load(access::RowIndex row) const;
+  Node load(access::RowIndex index) const;
   // The same through the cache. Thread-safe.
   std::shared_ptr<const Node> node(access::RowIndex row) const;
   // Triangles per place as stored (with those that have two equal positions). The row says it for a node with
@@ -94,7 +94,7 @@ class Statue final : public access::Statue {
   }
 
  private:
-  void check_row(access::RowIndex row) const;
+  void check_row(access::RowIndex index) const;
   void link_children(access::RowIndex row);
 
   geometry::Lattice lattice_;
