@@ -8,7 +8,8 @@
 namespace colossus::codec::coded {
 
 std::size_t WeightsHash::operator()(const Weights& w) const {
-  return core::mix64((std::uint64_t{w[0]} << 32 | w[1]) ^ core::mix64(w[2] + 0x9e3779b97f4a7c15ULL));
+  // Each weight is at most 2^16 and they have one sum, so three of them are the key.
+  return core::mix64(std::uint64_t{w[0]} << 40 ^ std::uint64_t{w[1]} << 20 ^ w[2]);
 }
 
 std::size_t face_count(const Weights& weights) {
