@@ -67,12 +67,18 @@ void add_option(CLI::App& command, const pipeline::nodes::Scheme& scheme,
     other->description(fmt::format("{}. {}", other->get_description(), help));
     return;
   }
-  const auto add = [&]<typename T>(const T& fallback) {
-    CLI::Option* added = command.add_option_function<T>(
-        flag, [options, name = option.name](const T& value) { options->of_scheme[name] = value; }, help);
-    if (!option.is_chosen) added->default_str(fmt::format("{}", fallback));
+  const auto add = [&]<typename T>(const T&) {
+    const auto keep = [options, name = option.name](const T& value) { options->of_scheme[name] = value; };
+    CLI::Option* added = nullptr;
+    if constexpr (std::is_same_v<T, bool>)
+      added = command.add_flag_callback(
+          flag, [keep] { keep(true); }, help);
+    else
+      added = command.add_option_function<T>(flag, keep, help);
+    if (option.fallback && !std::is_same_v<T, bool>)
+      added->default_str(pipeline::facts::text_of(*option.fallback));
   };
-  std::visit(add, option.fallback);
+  std::visit(add, option.type);
 }
 
 // Files, what shapes the bytes for all schemes and for some, and how the build is run.

@@ -177,9 +177,6 @@ constexpr Meaning kRows[] = {
     {"options", "drop_textures",
      "true: the input had texture coordinates or materials, which are not stored"},
     {"options", "lenient", "true: what many writers do wrong was let pass, with a warning"},
-    {"options", "block_size", "Cubes along each axis of the blocks in which levels were simplified"},
-    {"options", "levels", "Number of the deepest level"},
-    {"options", "color_weight", "Mean edge lengths that a full change of colour counts when simplifying"},
 
     {"parameters", "block_size",
      "Cubes along each axis of the blocks in which levels were simplified; unit: cubes"},
@@ -269,13 +266,20 @@ void describe(const Blame& blame, hid_t object, std::string_view name) {
 }
 
 void describe_table(const Blame& blame, hid_t object, std::string_view table,
-                    const std::vector<Field>& fields, const std::vector<std::string>& rows) {
+                    const std::vector<Field>& fields, const std::vector<std::string>& rows,
+                    const std::vector<NamedText>& meanings) {
   describe(blame, object, table);
   for (const Field& field : fields)
     if (const std::string_view text = field_meaning(table, field.name); !text.empty())
       write_text_attribute(blame, object, "field_" + field.name, std::string(text));
+  const auto meaning_of = [&](const std::string& row) -> std::string_view {
+    if (const std::string_view text = row_meaning(table, row); !text.empty()) return text;
+    const auto found = std::find_if(meanings.begin(), meanings.end(),
+                                    [&](const NamedText& meaning) { return meaning.name == row; });
+    return found == meanings.end() ? std::string_view() : found->value;
+  };
   for (const std::string& row : rows)
-    if (const std::string_view text = row_meaning(table, row); !text.empty())
+    if (const std::string_view text = meaning_of(row); !text.empty())
       write_text_attribute(blame, object, "row_" + row, std::string(text));
 }
 

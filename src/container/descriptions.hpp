@@ -26,9 +26,11 @@ std::string_view row_meaning(std::string_view table, std::string_view row);
 
 // Title, description and units of an object: "/", "lattice", "chunks", or a table.
 void describe(const hdf5::Blame& blame, hid_t object, std::string_view name);
-// Those of a table, its fields (attributes field_<name>) and rows (row_<name>).
+// Those of a table, its fields (attributes field_<name>) and rows (row_<name>); of rows that are not known
+// here what `meanings` says.
 void describe_table(const hdf5::Blame& blame, hid_t object, std::string_view table,
-                    const std::vector<Field>& fields, const std::vector<std::string>& rows = {});
+                    const std::vector<Field>& fields, const std::vector<std::string>& rows = {},
+                    const std::vector<NamedText>& meanings = {});
 // Of a dataset of chunks.
 void describe_chunks(const hdf5::Blame& blame, hid_t object, std::uint32_t capacity_class);
 // Who made the file, and where it is described.

@@ -45,13 +45,15 @@ std::vector<std::string> names_of(const std::vector<Entry>& entries) {
 
 // A table of names and values.
 void write_named(const Blame& blame, hid_t file, const std::string& name, const std::vector<Field>& fields,
-                 const std::vector<std::string>& row_names, std::span<const std::byte> rows) {
+                 const std::vector<std::string>& row_names, std::span<const std::byte> rows,
+                 const std::vector<NamedText>& meanings = {}) {
   const Handle table = create_table(blame, file, name, fields, row_names.size());
   write_table(blame, table, rows);
-  describe_table(blame, table.get(), name, fields, row_names);
+  describe_table(blame, table.get(), name, fields, row_names, meanings);
 }
 
-void write_options(const Blame& blame, hid_t file, const std::vector<NamedText>& options) {
+void write_options(const Blame& blame, hid_t file, const Metadata& metadata) {
+  const std::vector<NamedText>& options = metadata.options;
   const std::vector<Field> fields = {{"name", FieldType::kText, widest(options, &NamedText::name)},
                                      {"value", FieldType::kText, widest(options, &NamedText::value)}};
   core::ByteWriter rows;
@@ -59,7 +61,7 @@ void write_options(const Blame& blame, hid_t file, const std::vector<NamedText>&
     put_text(rows, option.name, fields[0].count);
     put_text(rows, option.value, fields[1].count);
   }
-  write_named(blame, file, "options", fields, names_of(options), rows.bytes());
+  write_named(blame, file, "options", fields, names_of(options), rows.bytes(), metadata.option_meanings);
 }
 
 // No table where there are none: containers of schema 1.0 have no parameters, those of 1.1 no measures.
@@ -239,7 +241,7 @@ void write_metadata(const Blame& blame, hid_t file, const Metadata& metadata) {
   write_attribute(blame, file, "attributes", FieldType::kU8, 1, &attributes);
   describe_file(blame, file);
   write_lattice(blame, file, metadata);
-  write_options(blame, file, metadata.options);
+  write_options(blame, file, metadata);
   write_reals(blame, file, "parameters", metadata.parameters);
   write_reals(blame, file, "measures", metadata.measures);
   write_inputs(blame, file, metadata.inputs);

@@ -98,7 +98,9 @@ struct Metadata {
   int position_bits = 12;  // 8 .. 16; of the weights of diamonds, of a side of the deepest cubes of blocks
   bool has_normals = false;
   bool has_colors = false;
-  std::vector<NamedText> options;     // those that shape the bytes, in a fixed order
+  std::vector<NamedText> options;  // those that shape the bytes, in a fixed order
+  // What options mean that only the scheme knows: for who looks into the file; not read back.
+  std::vector<NamedText> option_meanings;
   std::vector<NamedReal> parameters;  // of the scheme, such as sigma0 of blocks; in a fixed order
   std::vector<NamedReal> measures;    // of the input and of the finest level, such as areas; in a fixed order
   std::vector<InputInfo> inputs;      // in the order of reading

@@ -319,14 +319,14 @@ class ObjSource final : public Source {
 
 }  // namespace
 
-const Format kObjFormat{"OBJ", ".obj", nullptr,
-                        [](const FileStart& start) {
-                          constexpr std::array kWords{"v", "vn", "vt",     "f",     "o",
-                                                      "g", "s",  "mtllib", "usemtl"};
-                          return std::find(kWords.begin(), kWords.end(), start.first_word) != kWords.end();
-                        },
-                        [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
-                          return std::make_unique<ObjSource>(std::move(file), options);
-                        }};
+constinit const Format kObjFormat{
+    "OBJ", ".obj", nullptr,
+    [](const FileStart& start) {
+      constexpr std::array kWords{"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl"};
+      return std::find(kWords.begin(), kWords.end(), start.first_word) != kWords.end();
+    },
+    [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
+      return std::make_unique<ObjSource>(std::move(file), options);
+    }};
 
 }  // namespace colossus::input

@@ -383,13 +383,14 @@ class OffSource final : public Source {
 
 }  // namespace
 
-const Format kOffFormat{"OFF", ".off .coff .noff .cnoff", nullptr,
-                        [](const FileStart& start) {
-                          const std::string_view word = start.first_word;
-                          return word.substr(0, word.find_first_of("0123456789", 1)).ends_with("off");
-                        },
-                        [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
-                          return std::make_unique<OffSource>(std::move(file), options);
-                        }};
+constinit const Format kOffFormat{
+    "OFF", ".off .coff .noff .cnoff", nullptr,
+    [](const FileStart& start) {
+      const std::string_view word = start.first_word;
+      return word.substr(0, word.find_first_of("0123456789", 1)).ends_with("off");
+    },
+    [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
+      return std::make_unique<OffSource>(std::move(file), options);
+    }};
 
 }  // namespace colossus::input

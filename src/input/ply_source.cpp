@@ -292,14 +292,15 @@ void check_list_count(const SourceInfo& info, const PlyElement& element, std::ui
          element.name, row, list.name, count);
 }
 
-const Format kPlyFormat{"PLY", ".ply",
-                        [](const FileStart& start) {
-                          return start.text.size() > 3 && start.text.starts_with("ply") &&
-                                 (start.text[3] == ' ' || (start.text[3] >= '\t' && start.text[3] <= '\r'));
-                        },
-                        nullptr,
-                        [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
-                          return std::make_unique<PlySource>(std::move(file), options);
-                        }};
+constinit const Format kPlyFormat{
+    "PLY", ".ply",
+    [](const FileStart& start) {
+      return start.text.size() > 3 && start.text.starts_with("ply") &&
+             (start.text[3] == ' ' || (start.text[3] >= '\t' && start.text[3] <= '\r'));
+    },
+    nullptr,
+    [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
+      return std::make_unique<PlySource>(std::move(file), options);
+    }};
 
 }  // namespace colossus::input

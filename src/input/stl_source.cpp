@@ -305,11 +305,12 @@ bool is_text(const core::File& file) {
 
 }  // namespace
 
-const Format kStlFormat{"STL", ".stl", [](const FileStart& start) { return has_size_of_binary(start.file); },
-                        [](const FileStart& start) { return start.first_word.starts_with("solid"); },
-                        [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
-                          if (is_text(file)) return std::make_unique<AsciiStl>(std::move(file), options);
-                          return std::make_unique<BinaryStl>(std::move(file), options);
-                        }};
+constinit const Format kStlFormat{
+    "STL", ".stl", [](const FileStart& start) { return has_size_of_binary(start.file); },
+    [](const FileStart& start) { return start.first_word.starts_with("solid"); },
+    [](core::File file, const SourceOptions& options) -> std::unique_ptr<Source> {
+      if (is_text(file)) return std::make_unique<AsciiStl>(std::move(file), options);
+      return std::make_unique<BinaryStl>(std::move(file), options);
+    }};
 
 }  // namespace colossus::input

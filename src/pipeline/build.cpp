@@ -1,5 +1,6 @@
 #include "pipeline/build.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -32,21 +33,6 @@ std::optional<double> seconds_of(const std::optional<std::string>& time_limit) {
     core::fail(core::Status::kUsage,
                "--time-limit {} is no time; write it like 90s, 45m, 3h50m or 1-02:00:00", *time_limit);
   return seconds;
-}
-
-void check_options(const cluster::Communicator& ranks, const facts::BuildOptions& options) {
-  ranks.attempt([&] {
-    if (options.leaf_triangles < kLeastLeafTriangles || options.leaf_triangles > kMostLeafTriangles)
-      core::fail(core::Status::kUsage, "--leaf-triangles {} is out of range; choose {} to {}",
-                 options.leaf_triangles, kLeastLeafTriangles, kMostLeafTriangles);
-    if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0.0))
-      core::fail(core::Status::kUsage, "--tolerance {} is not a positive length", *options.tolerance);
-    codec::codec_named(options.codec);
-    seconds_of(options.time_limit);
-    const nodes::Scheme& scheme = scheme_named(options.scheme);
-    refuse_options_of_other_schemes(options);
-    scheme.check(options);
-  });
 }
 
 void log_survey(const facts::Catalog& catalog) {
@@ -211,10 +197,33 @@ BuildReport build_with(const cluster::Communicator& ranks, const facts::BuildOpt
 
 }  // namespace
 
+void check_options(const facts::BuildOptions& options) {
+  if (options.leaf_triangles < kLeastLeafTriangles || options.leaf_triangles > kMostLeafTriangles)
+    core::fail(core::Status::kUsage, "--leaf-triangles {} is out of range; choose {} to {}",
+               options.leaf_triangles, kLeastLeafTriangles, kMostLeafTriangles);
+  if (options.tolerance && !(std::isfinite(*options.tolerance) && *options.tolerance > 0.0))
+    core::fail(core::Status::kUsage, "--tolerance {} is not a positive length", *options.tolerance);
+  codec::codec_named(options.codec);
+  if (options.position_bits < codec::coded::kMinPositionBits ||
+      options.position_bits > codec::coded::kMaxPositionBits)
+    core::fail(core::Status::kUsage, "--position-bits {} is out of range; choose {} to {}",
+               options.position_bits, codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
+  seconds_of(options.time_limit);
+  const nodes::Scheme& scheme = scheme_named(options.scheme);
+  refuse_options_of_other_schemes(options);
+  if (scheme.check != nullptr) scheme.check(options);
+}
+
 BuildReport build(const cluster::Communicator& ranks, const facts::BuildOptions& asked) {
-  check_options(ranks, asked);
+  ranks.attempt([&] { check_options(asked); });
   facts::BuildOptions options = asked;
-  options.scheme = scheme_named(asked.scheme).name;
+  const nodes::Scheme& scheme = scheme_named(asked.scheme);
+  options.scheme = scheme.name;
+  std::erase_if(options.of_scheme, [&](const auto& given) {  // what another scheme has by default
+    return std::none_of(scheme.options.begin(), scheme.options.end(),
+                        [&](const facts::SchemeOption& option) { return option.name == given.first; });
+  });
+  complete(scheme.options, options.of_scheme);
   const run::Outputs outputs = run::plan_outputs(ranks, options);
   core::log("colossus {} build, {} ranks, leaf triangles {}", core::release_version(), ranks.size(),
             options.leaf_triangles);

@@ -26,17 +26,24 @@ std::string schemes_text(const char* nodes::Scheme::*text) {
 }
 
 void refuse_options_of_other_schemes(const facts::BuildOptions& options) {
-  const auto has = [](const nodes::Scheme& scheme, std::string_view name) {
-    return std::any_of(scheme.options.begin(), scheme.options.end(),
-                       [&](const facts::SchemeOption& option) { return option.name == name; });
-  };
   const nodes::Scheme& own = scheme_named(options.scheme);
+  check_types(own.options, options.of_scheme);
   for (const auto& [name, value] : options.of_scheme) {
-    if (has(own, name)) continue;
+    const auto option_in = [&, &name = name](const nodes::Scheme& scheme) {
+      return std::find_if(scheme.options.begin(), scheme.options.end(),
+                          [&](const facts::SchemeOption& option) { return option.name == name; });
+    };
+    if (option_in(own) != own.options.end()) continue;
     std::string owners;
+    bool is_default = false;  // asks for nothing
     for (const nodes::Scheme* scheme : schemes())
-      if (has(*scheme, name)) owners += fmt::format("{}{}", owners.empty() ? "" : " or ", scheme->name);
-    core::fail(core::Status::kUsage, "{} is an option of --scheme {} only", facts::flag_of(name), owners);
+      if (const auto option = option_in(*scheme); option != scheme->options.end()) {
+        owners += fmt::format("{}{}", owners.empty() ? "" : " or ", scheme->name);
+        is_default = is_default || value == option->fallback;
+      }
+    if (owners.empty()) core::fail(core::Status::kUsage, "{} is no option", facts::flag_of(name));
+    if (!is_default)
+      core::fail(core::Status::kUsage, "{} is an option of --scheme {} only", facts::flag_of(name), owners);
   }
 }
 

@@ -19,7 +19,8 @@ const nodes::Scheme& scheme_named(std::string_view name);
 // "diamonds: ...; blocks: ...", for --help, of this text of each scheme.
 std::string schemes_text(const char* nodes::Scheme::*text);
 
-// Throws Error(kUsage) when an option is given that the scheme has not.
+// Throws Error(kUsage) when an option is given that the scheme has not, or a value of another type. What
+// another scheme has by default may be given.
 void refuse_options_of_other_schemes(const facts::BuildOptions& options);
 
 }  // namespace colossus::pipeline

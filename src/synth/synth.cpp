@@ -295,8 +295,8 @@ void Writer::put_vertex(std::size_t i, const SurfaceBatch& batch, std::byte* to)
   if (options_.normals) to = put(batch.normal.z[i], put(batch.normal.y[i], put(batch.normal.x[i], to)));
   if (!options_.colors) return;
   for (const Lane* lane : {&batch.color.x, &batch.color.y, &batch.color.z})
-    to = put(static_cast<std::uint8_t>(static_cast<int>((*lane)[i] + 0.5F)),
-             to);  // NOLINT: no colour is negative
+    // No colour is negative. NOLINTNEXTLINE(bugprone-incorrect-roundings)
+    to = put(static_cast<std::uint8_t>(static_cast<int>((*lane)[i] + 0.5F)), to);
 }
 
 std::vector<SynthSlot> successive_slots(std::uint64_t first, std::size_t count) {

@@ -77,9 +77,8 @@ void expect_bad_data_at_most(Read read) {
 }  // namespace
 
 // HDF5 1.10 forgets a block of some hundred bytes for each damaged piece of metadata that it meets.
-extern "C" const char* __lsan_default_suppressions() {  // NOLINT: its name is given
-  return "leak:libhdf5";
-}
+// Its name is given. NOLINTNEXTLINE(bugprone-reserved-identifier)
+extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));

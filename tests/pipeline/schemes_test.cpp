@@ -4,10 +4,12 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <set>
 
 #include "core/error.hpp"
 #include "hierarchy/octree.hpp"
+#include "pipeline/build.hpp"
 #include "pipeline/facts/option_table.hpp"
 
 namespace colossus::pipeline {
@@ -22,7 +24,7 @@ bool takes(const char* scheme, const Change& change, const std::string& option) 
   options.scheme = scheme;
   change(options);
   try {
-    scheme_named(scheme).check(options);
+    check_options(options);
     return true;
   } catch (const core::Error& error) {
     EXPECT_EQ(error.status(), core::Status::kUsage);
@@ -85,13 +87,20 @@ TEST(Blocks, TakeTheirOptionsWithinTheirRanges) {
         blocks, [&](BuildOptions& o) { o.of_scheme["color_weight"] = weight; }, "--color-weight"));
 }
 
+// A value that is not the default.
+facts::OptionValue another(const facts::SchemeOption& option) {
+  facts::OptionValue value = option.fallback.value_or(option.type);
+  std::visit([](auto& v) { v = static_cast<std::remove_reference_t<decltype(v)>>(!v); }, value);
+  return value;
+}
+
 TEST(Schemes, OptionsOfAnotherSchemeAreRefused) {
   for (const nodes::Scheme* owner : schemes())
     for (const facts::SchemeOption& option : owner->options)
       for (const nodes::Scheme* scheme : schemes()) {
         BuildOptions options;
         options.scheme = scheme->name;
-        options.of_scheme[option.name] = option.fallback;
+        options.of_scheme[option.name] = another(option);
         if (scheme == owner) {
           EXPECT_NO_THROW(refuse_options_of_other_schemes(options)) << option.name;
           continue;
@@ -104,7 +113,39 @@ TEST(Schemes, OptionsOfAnotherSchemeAreRefused) {
           EXPECT_EQ(std::string(error.what()), fmt::format("{} is an option of --scheme {} only",
                                                            facts::flag_of(option.name), owner->name));
         }
+        // Its default asks for nothing.
+        if (!option.fallback) continue;
+        options.of_scheme[option.name] = *option.fallback;
+        EXPECT_NO_THROW(refuse_options_of_other_schemes(options)) << option.name;
       }
+}
+
+TEST(Schemes, OptionsThatNobodyHasAndValuesOfAnotherTypeAreRefused) {
+  const auto message_of = [](const char* name, const facts::OptionValue& value) -> std::string {
+    BuildOptions options;
+    options.scheme = hierarchy::kBlocks;
+    options.of_scheme[name] = value;
+    try {
+      check_options(options);
+      return "";
+    } catch (const core::Error& error) {
+      EXPECT_EQ(error.status(), core::Status::kUsage);
+      return error.what();
+    }
+  };
+  EXPECT_EQ(message_of("colour_weight", 1.0), "--colour-weight is no option");
+  EXPECT_EQ(message_of("color_weight", 1.0), "");
+  EXPECT_EQ(message_of("color_weight", std::int64_t{1}), "--color-weight: 1 is a value of another type");
+  EXPECT_EQ(message_of("levels", 1.5), "--levels: 1.5 is a value of another type");
+}
+
+TEST(Schemes, OptionsHaveNamesThatNoCommonOneHasAndOneTypeEach) {
+  std::map<std::string, std::size_t> types;
+  facts::for_each_option([&](const facts::Option& option, auto) { types[option.name] = ~std::size_t{0}; });
+  for (const nodes::Scheme* scheme : schemes())
+    for (const facts::SchemeOption& option : scheme->options)
+      EXPECT_EQ(types.try_emplace(option.name, option.type.index()).first->second, option.type.index())
+          << option.name;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // How a sketch is built: beside the phases that serve every scheme, two levels with tasks of their own.
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "codec/coded/lattice_node.hpp"
@@ -26,6 +27,19 @@ using core::Bytes;
 using core::ByteWriter;
 using geometry::Point;
 using hierarchy::CubeId;
+
+// Shared with blocks, which have another meaning for it.
+constexpr facts::TypedOption<std::int64_t> kLevels{"levels", "the level of the finest cubes, 0 to 4",
+                                                   "Level of the finest cubes"};
+constexpr facts::TypedOption<double> kShare{"share", "what the sketch has of the triangles",
+                                            "Share of the triangles that the sketch was to have", 0.5};
+constexpr facts::TypedOption<bool> kWhole{"whole", "the sketch has all triangles",
+                                          "true: the sketch was to have all triangles", false};
+constexpr std::array<facts::SchemeOption, 3> kOptions{kLevels, kShare, kWhole};
+
+int cube_level(const run::Workspace& workspace) {
+  return static_cast<int>(value_of(kLevels, workspace.options.of_scheme).value_or(kCubeLevel));
+}
 
 // What a task comes to: its nodes, and of a bucket also what the sketch is made of.
 struct Result {
@@ -83,16 +97,16 @@ facts::FinishedNode store_node(const run::Workspace& workspace, const facts::Cat
     node.row.flags = container::kNodeIsLeaf;
     node.area = nodes::area_of(positions, mesh.triangles);
   }
-  return builder.store(workspace, stored, codec);
+  return std::move(builder).store(workspace, stored, codec);
 }
 
 // The triangles whose barycentres lie in the bucket, by the cube that these lie in, with their vertices.
-std::map<CubeId, mesh::Mesh> by_cube(const buckets::LoadedBucket& bucket) {
+std::map<CubeId, mesh::Mesh> by_cube(const buckets::LoadedBucket& bucket, int level) {
   std::map<CubeId, mesh::Mesh> cubes;
   for (const mesh::Triangle& t : bucket.mesh.triangles) {
     const auto& vertices = bucket.mesh.vertices;
     const CubeId id = hierarchy::cube_of_barycenter(vertices[t[0]].position, vertices[t[1]].position,
-                                                    vertices[t[2]].position, kCubeLevel, geometry::kRootBits);
+                                                    vertices[t[2]].position, level, geometry::kRootBits);
     if (id.ancestor(bucket.cube.level) != bucket.cube) continue;
     mesh::Mesh& cube = cubes[id];
     if (cube.vertices.empty()) cube.vertices = vertices;  // the unused go when it is welded
@@ -109,7 +123,7 @@ Result make_leaves(const run::Workspace& workspace, const facts::Catalog& catalo
                catalog.input_name(), bucket.lost.size(), kSketch);
   Result result;
   result.finest = bucket.finest;
-  for (const auto& [id, cube] : by_cube(bucket)) {
+  for (const auto& [id, cube] : by_cube(bucket, cube_level(workspace))) {
     result.nodes.push_back(
         store_node(workspace, catalog, id, kFinestLevel, cube, catalog.lattice.input_error()));
     result.meshes.push_back(nodes::store(workspace, {cube, {}}));
@@ -135,7 +149,9 @@ Result make_sketch(const run::Workspace& workspace, const facts::Catalog& catalo
   region.may_place = false;
   region.samples = std::move(whole.samples);
   region.mesh = std::move(whole.mesh);
-  const std::uint64_t target = region.mesh.triangles.size() / 2;
+  const facts::SchemeValues& values = workspace.options.of_scheme;
+  const double share = *value_of(kWhole, values) ? 1.0 : *value_of(kShare, values);
+  const auto target = static_cast<std::uint64_t>(share * static_cast<double>(region.mesh.triangles.size()));
   const simplify::Outcome outcome = simplify::simplify(region, target);
   mesh::weld(region.mesh);
   const double error = outcome.deviation * catalog.lattice.step + catalog.lattice.input_error();
@@ -152,9 +168,9 @@ std::uint64_t task_bytes(std::uint64_t triangles) { return 400 * triangles; }
 
 facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& catalog,
                            std::vector<ingest::TriangleGroup>&& groups) {
-  buckets::Buckets filled = buckets::fill_buckets(workspace, catalog, groups, {}, {kCubeLevel});
+  const int level = cube_level(workspace);
   const std::vector<buckets::BucketRecord> buckets =
-      give_attributes(workspace, catalog, std::move(filled), {});
+      buckets::make_buckets(workspace, catalog, std::move(groups), {}, {level});
   nodes::LevelDriver driver(workspace);
   driver.finished().lattice = {catalog.lattice.origin, catalog.lattice.step, geometry::kRootBits};
   driver.finished().position_bits = workspace.options.position_bits;
@@ -175,7 +191,7 @@ facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& cata
     catalog.counts.finest_nonmanifold_edges += result.finest.nonmanifold;
     for (std::size_t i = 0; i < result.nodes.size(); ++i) {
       const auto& center = result.nodes[i].row.center;
-      leaves[hierarchy::cube_at({center[0], center[1], center[2]}, kCubeLevel, geometry::kRootBits)] =
+      leaves[hierarchy::cube_at({center[0], center[1], center[2]}, level, geometry::kRootBits)] =
           result.meshes[i];
     }
     return std::move(result.nodes);
@@ -202,7 +218,18 @@ facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& cata
   };
   root.take = [](std::span<const std::byte> bytes) { return Result::from_bytes(bytes).nodes; };
   driver.run(std::move(root));
-  return driver.take();
+  facts::FinishedNodes finished = driver.take();
+  facts::SchemeValues chosen = workspace.options.of_scheme;
+  chosen[kLevels.name] = std::int64_t{level};
+  finished.options = stored_values(kOptions, chosen);
+  finished.option_meanings = facts::meanings_of(kOptions);
+  return finished;
+}
+
+void check(const facts::BuildOptions& options) {
+  const std::int64_t level = value_of(kLevels, options.of_scheme).value_or(kCubeLevel);
+  if (level < 0 || level > 4)
+    core::fail(core::Status::kUsage, "--levels {} is out of range; choose 0 to 4", level);
 }
 
 nodes::NodeNeeds estimate(const facts::BuildOptions&, const facts::Catalog& catalog,
@@ -219,7 +246,7 @@ nodes::NodeNeeds estimate(const facts::BuildOptions&, const facts::Catalog& cata
 
 }  // namespace
 
-const nodes::Scheme kSketchScheme{kSketch, "the input, and a sketch of it",   "nothing", "nothing",
-                                  {},      [](const facts::BuildOptions&) {}, &estimate, &build};
+constinit const nodes::Scheme kSketchScheme{
+    kSketch, "the input, and a sketch of it", "of nothing", "of nothing", kOptions, &check, &estimate, &build};
 
 }  // namespace colossus::toy

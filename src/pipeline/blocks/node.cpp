@@ -271,7 +271,7 @@ class Block {
     node.row.error = cube.error;
     node.statistics.inconsistent_edges = cube.record.inconsistent_edges;
     node.displacement = settings_.input_error(cube.record.displacement);
-    return builder.store(workspace_, stored, *settings_.codec);
+    return std::move(builder).store(workspace_, stored, *settings_.codec);
   }
 
   const run::Workspace& workspace_;

@@ -290,13 +290,10 @@ Grid choose_grid(const run::Workspace& workspace, const facts::Catalog& catalog,
 }
 
 Partition partition(const run::Workspace& workspace, facts::Catalog& catalog, const Grid& grid,
-                    std::span<const ingest::TriangleGroup> groups) {
+                    std::vector<ingest::TriangleGroup>&& groups) {
   const buckets::Rounding rounding{grid.spacing()};
-  buckets::Buckets filled = fill_buckets(workspace, catalog, groups, rounding, {grid.levels});
-  release_phases_up_to(workspace, last_phase(workspace) - 1);
   const std::vector<buckets::BucketRecord> buckets =
-      give_attributes(workspace, catalog, std::move(filled), rounding);
-  release_phases_up_to(workspace, last_phase(workspace) - 1);
+      make_buckets(workspace, catalog, std::move(groups), rounding, {grid.levels});
   Partition partition;
   run_phase(
       workspace, "partition", buckets.size(), [&](std::size_t i) { return bucket_task(buckets[i]); },

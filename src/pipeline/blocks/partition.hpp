@@ -36,6 +36,6 @@ struct Partition {
 // middles, rounded to the grid, first, which depends on nothing but their ends, and counted. Positions are
 // rounded to the grid. Fills the catalogue's area and counts. Collective.
 Partition partition(const run::Workspace& workspace, facts::Catalog& catalog, const Grid& grid,
-                    std::span<const ingest::TriangleGroup> groups);
+                    std::vector<ingest::TriangleGroup>&& groups);
 
 }  // namespace colossus::pipeline::blocks

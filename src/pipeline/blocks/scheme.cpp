@@ -14,11 +14,17 @@
 namespace colossus::pipeline::blocks {
 namespace {
 
-constexpr std::array<facts::SchemeOption, 4> kOptions{
-    {{"block_size", "cubes along a block; default: 4", std::int64_t{kDefaultBlockSize}, true},
-     {"levels", "the deepest level, instead of the one that fits", std::int64_t{0}, true},
-     {"color_weight", "mean edge lengths that a full change of colour counts when simplifying", 0.0},
-     {"shifted_blocks", nullptr, true, false, facts::Stored::kNever}}};
+constexpr facts::TypedOption<std::int64_t> kBlockSize{
+    "block_size", "cubes along a block",
+    "Cubes along each axis of the blocks in which levels were simplified", kDefaultBlockSize,
+    facts::Stored::kAlways};
+constexpr facts::TypedOption<std::int64_t> kLevels{
+    "levels", "the deepest level, instead of the one that fits", "Number of the deepest level"};
+constexpr facts::TypedOption<double> kColorWeight{
+    "color_weight", "mean edge lengths that a full change of colour counts when simplifying",
+    "Mean edge lengths that a full change of colour counts when simplifying", 0.0};
+constexpr facts::TypedOption<bool> kShiftedBlocks{"shifted_blocks", nullptr, "", true, facts::Stored::kNever};
+constexpr std::array<facts::SchemeOption, 4> kOptions{kBlockSize, kLevels, kColorWeight, kShiftedBlocks};
 
 // The deepest level.
 int deepest_level(const facts::BuildOptions& options, const facts::Catalog& catalog,
@@ -56,10 +62,6 @@ nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catal
 
 void check(const facts::BuildOptions& options) {
   using core::Status;
-  if (options.position_bits < codec::coded::kMinPositionBits ||
-      options.position_bits > codec::coded::kMaxPositionBits)
-    core::fail(Status::kUsage, "--position-bits {} is out of range; choose {} to {}", options.position_bits,
-               codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
   const int most_levels = geometry::kRootBits - codec::coded::kMaxPositionBits;
   const Options own = options_of(options);
   if (own.levels && (*own.levels < 0 || *own.levels > most_levels))
@@ -84,8 +86,7 @@ facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& cata
     if (workspace.ranks.is_root())
       ingest::refuse_far_corner(workspace.options, catalog, 2.0 * rounding_error);
   });
-  Partition leaves = partition(workspace, catalog, grid, groups);
-  groups = {};
+  Partition leaves = partition(workspace, catalog, grid, std::move(groups));
   buckets::log_counts(workspace.ranks, catalog);
   const std::uint64_t peak = run::greatest_peak_memory(workspace.ranks);
   core::log("partition: {} edges too long for their cubes split, peak memory {} MB",
@@ -107,31 +108,27 @@ facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& cata
   });
   facts::FinishedNodes finished = build_levels(workspace, settings, std::move(leaves), catalog);
   facts::SchemeValues chosen = workspace.options.of_scheme;
-  chosen["block_size"] = std::int64_t{settings.block_size};
-  chosen["levels"] = std::int64_t{grid.levels};
+  chosen[kLevels.name] = std::int64_t{grid.levels};
   finished.options = stored_values(kOptions, chosen);
+  finished.option_meanings = facts::meanings_of(kOptions);
   return finished;
 }
 
 }  // namespace
 
 Options options_of(const facts::BuildOptions& options) {
-  Options own;
-  own.levels = facts::given_value<std::int64_t>(options.of_scheme, "levels");
-  own.block_size = facts::given_value<std::int64_t>(options.of_scheme, "block_size").value_or(own.block_size);
-  own.color_weight = facts::given_value<double>(options.of_scheme, "color_weight").value_or(own.color_weight);
-  own.has_shifted_blocks =
-      facts::given_value<bool>(options.of_scheme, "shifted_blocks").value_or(own.has_shifted_blocks);
-  return own;
+  const facts::SchemeValues& values = options.of_scheme;
+  return {value_of(kLevels, values), *value_of(kBlockSize, values), *value_of(kColorWeight, values),
+          *value_of(kShiftedBlocks, values)};
 }
 
-const nodes::Scheme kScheme{hierarchy::kBlocks,
-                            "uncut triangles, continuous morphing, painted models",
-                            "on average per cube of the deepest level",
-                            "along a cube of the deepest level",
-                            kOptions,
-                            &check,
-                            &estimate,
-                            &build};
+constinit const nodes::Scheme kScheme{hierarchy::kBlocks,
+                                      "uncut triangles, continuous morphing, painted models",
+                                      "on average per cube of the deepest level",
+                                      "along a cube of the deepest level",
+                                      kOptions,
+                                      &check,
+                                      &estimate,
+                                      &build};
 
 }  // namespace colossus::pipeline::blocks

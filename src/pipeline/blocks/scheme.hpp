@@ -19,11 +19,11 @@ extern const nodes::Scheme kScheme;
 // What a user asks of blocks alone; see the table of options in scheme.cpp.
 struct Options {
   std::optional<std::int64_t> levels;
-  std::int64_t block_size = kDefaultBlockSize;
-  double color_weight = 0.0;  // see simplify::Region
+  std::int64_t block_size;
+  double color_weight;  // see simplify::Region
   // False: the borders of all levels lie on top of each other. For tests/bench/clefts, which shows what
   // shifting is for; no option of the program, and not known to readers.
-  bool has_shifted_blocks = true;
+  bool has_shifted_blocks;
 };
 Options options_of(const facts::BuildOptions& options);
 

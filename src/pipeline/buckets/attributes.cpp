@@ -220,6 +220,17 @@ std::vector<BucketRecord> give_attributes(const run::Workspace& workspace, facts
   return records;
 }
 
+std::vector<BucketRecord> make_buckets(const run::Workspace& workspace, facts::Catalog& catalog,
+                                       std::vector<ingest::TriangleGroup>&& groups, const Rounding& rounding,
+                                       const BucketOptions& options) {
+  Buckets filled = fill_buckets(workspace, catalog, groups, rounding, options);
+  groups = {};
+  release_phases_up_to(workspace, last_phase(workspace) - 1);
+  std::vector<BucketRecord> buckets = give_attributes(workspace, catalog, std::move(filled), rounding);
+  release_phases_up_to(workspace, last_phase(workspace) - 1);
+  return buckets;
+}
+
 void log_counts(const cluster::Communicator& ranks, const facts::Catalog& catalog) {
   const facts::InputCounts& c = catalog.counts;
   core::log(

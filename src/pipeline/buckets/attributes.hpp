@@ -25,6 +25,12 @@ struct BucketRecord {
 std::vector<BucketRecord> give_attributes(const run::Workspace& workspace, facts::Catalog& catalog,
                                           Buckets&& buckets, const Rounding& rounding);
 
+// fill_buckets() and give_attributes(); releases what lies in scratch of the phases before, and with the
+// groups their pieces. Throws like these. Collective.
+std::vector<BucketRecord> make_buckets(const run::Workspace& workspace, facts::Catalog& catalog,
+                                       std::vector<ingest::TriangleGroup>&& groups, const Rounding& rounding,
+                                       const BucketOptions& options);
+
 // What became of the input's triangles, its edges, and the colours of its faces.
 void log_counts(const cluster::Communicator& ranks, const facts::Catalog& catalog);
 

@@ -35,7 +35,7 @@ class LevelBuilder {
   facts::FinishedNodes run() {
     run_tasks(
         "leaves", leaf_tasks(), [&](std::size_t first) { return leaf_task(first); }, std::nullopt);
-    driver_.finish_finest(catalog_, [&] { check_leaves(); });
+    driver_.finish_finest(catalog_, [&] { count_leaves(); });
     std::int64_t levels = splits_by_level_.empty() ? 0 : splits_by_level_.rbegin()->first + 1;
     broadcast_value(workspace_.ranks, levels);
     // Leaves lie at several levels; their scratch goes with the one of the coarsest.
@@ -77,15 +77,11 @@ class LevelBuilder {
     return task;
   }
 
-  void check_leaves() {
+  void count_leaves() {
     for (const facts::LevelStatistics& level : driver_.finished().levels) {
       catalog_.counts.finest_border_edges += level.sums.finest_border_edges;
       catalog_.counts.finest_nonmanifold_edges += level.sums.finest_nonmanifold_edges;
     }
-    double greatest = 0.0;
-    for (const facts::StoredNode& leaf : driver_.finished().nodes)
-      greatest = std::max(greatest, leaf.row.error);
-    require_tolerance(workspace_.options, greatest);
   }
 
   void run_level(int level) {

@@ -140,7 +140,7 @@ NodeResult build_node(const run::Workspace& workspace, const NodeSettings& setti
                                             std::int64_t{task.center.y} << bits,
                                             std::int64_t{task.center.z} << bits};
   nodes::NodeBuilder builder(stored, static_cast<std::uint32_t>(diamond.level), task.center, center);
-  builder.row().flags = task.is_leaf ? container::kNodeIsLeaf : 0;
+  builder.node().row.flags = task.is_leaf ? container::kNodeIsLeaf : 0;
   std::vector<PlacedMesh> parts = load_parts(workspace, task);
   double deviation = 0.0;
   if (!task.is_leaf)
@@ -152,11 +152,11 @@ NodeResult build_node(const run::Workspace& workspace, const NodeSettings& setti
   mesh.has_colors = settings.quantize.colors;
   for (const PlacedMesh& part : parts)
     add_part(builder, settings, task, part, diamond.tetrahedra[part.place], mesh);
-  builder.row().error =
+  builder.node().row.error =
       std::max(deviation * settings.lattice.step + builder.node().displacement + settings.input_error,
                task.least_error);
   NodeResult result;
-  result.node = builder.store(workspace, mesh, *settings.codec);
+  result.node = std::move(builder).store(workspace, mesh, *settings.codec);
   if (!task.is_leaf)
     for (const PlacedMesh& part : parts)
       result.tetrahedra.push_back(store_tetrahedron(workspace, {task.center, part.place}, part.content));

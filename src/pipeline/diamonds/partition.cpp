@@ -202,13 +202,8 @@ class Partitioner {
 
  private:
   void cut_buckets() {
-    buckets::Buckets filled =
-        buckets::fill_buckets(workspace_, catalog_, groups_, {}, {hierarchy::kMaxLevel / 3});
-    groups_ = {};
-    release_phases_up_to(workspace_, last_phase(workspace_) - 1);
     const std::vector<buckets::BucketRecord> buckets =
-        give_attributes(workspace_, catalog_, std::move(filled), {});
-    release_phases_up_to(workspace_, last_phase(workspace_) - 1);
+        buckets::make_buckets(workspace_, catalog_, std::move(groups_), {}, {hierarchy::kMaxLevel / 3});
     std::vector<Refinement> results(buckets.size());
     run_phase(
         workspace_, "partition", buckets.size(), [&](std::size_t i) { return bucket_task(buckets[i]); },

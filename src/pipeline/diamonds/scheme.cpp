@@ -118,13 +118,6 @@ nodes::NodeNeeds estimate(const facts::BuildOptions& options, const facts::Catal
   return needs;
 }
 
-void check(const facts::BuildOptions& options) {
-  if (options.position_bits < codec::coded::kMinPositionBits ||
-      options.position_bits > codec::coded::kMaxPositionBits)
-    core::fail(core::Status::kUsage, "--position-bits {} is out of range; choose {} to {}",
-               options.position_bits, codec::coded::kMinPositionBits, codec::coded::kMaxPositionBits);
-}
-
 facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& catalog,
                            std::vector<ingest::TriangleGroup>&& groups) {
   const cluster::Communicator& ranks = workspace.ranks;
@@ -147,13 +140,13 @@ facts::FinishedNodes build(const run::Workspace& workspace, facts::Catalog& cata
 
 }  // namespace
 
-const nodes::Scheme kScheme{hierarchy::kDiamonds,
-                            "cut triangles, the smallest error, cuts of any shape",
-                            "per leaf tetrahedron",
-                            "per barycentric weight",
-                            {},
-                            &check,
-                            &estimate,
-                            &build};
+constinit const nodes::Scheme kScheme{hierarchy::kDiamonds,
+                                      "cut triangles, the smallest error, cuts of any shape",
+                                      "per leaf tetrahedron",
+                                      "per barycentric weight",
+                                      {},
+                                      nullptr,
+                                      &estimate,
+                                      &build};
 
 }  // namespace colossus::pipeline::diamonds

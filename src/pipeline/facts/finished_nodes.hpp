@@ -64,8 +64,9 @@ struct FinishedNodes {
   std::vector<LevelStatistics> levels;  // from the root on
   container::LatticeInfo lattice;       // on which decoded positions lie
   int position_bits = 0;
-  std::vector<container::NamedText> options;     // of the scheme, besides those that all have
-  std::vector<container::NamedReal> parameters;  // of the scheme
+  std::vector<container::NamedText> options;          // of the scheme, besides those that all have
+  std::vector<container::NamedText> option_meanings;  // of these, see Metadata
+  std::vector<container::NamedReal> parameters;       // of the scheme
 
   void add(const FinishedNode& node);
   // What was not done for one node alone.

@@ -72,6 +72,7 @@ container::Metadata metadata_of(const facts::BuildOptions& options, const facts:
   metadata.has_normals = true;
   metadata.has_colors = catalog.has_colors;
   metadata.options = options_of(options, finished);
+  metadata.option_meanings = finished.option_meanings;
   metadata.parameters = finished.parameters;
   for (const facts::InputFile& file : catalog.files)
     metadata.inputs.push_back({core::escaped_text(file.name), file.bytes, file.hash});

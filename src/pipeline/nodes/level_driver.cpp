@@ -41,6 +41,9 @@ void LevelDriver::finish_finest(const facts::Catalog& catalog, const std::functi
   workspace_.ranks.attempt([&] {
     if (!workspace_.ranks.is_root()) return;
     if (check) check();
+    double greatest = 0.0;
+    for (const facts::StoredNode& node : finished_.nodes) greatest = std::max(greatest, node.row.error);
+    require_tolerance(workspace_.options, greatest);
     finished_.sort();
     refuse_lost_surface(catalog, finished_);
   });

@@ -43,8 +43,8 @@ class LevelDriver {
   // and warns where it has missed its target. Collective.
   void run(Level level);
 
-  // Once the finest level is made. Throws Error(kBadData) when it lacks surface, and what `check` throws,
-  // which is called on rank 0 before. Collective.
+  // Once the finest level is made. Throws Error(kUsage) when --tolerance is not kept, Error(kBadData) when it
+  // lacks surface, and what `check` throws, which is called on rank 0 before. Collective.
   void finish_finest(const facts::Catalog& catalog, const std::function<void()>& check = {});
 
   facts::FinishedNodes& finished() { return finished_; }

@@ -31,6 +31,7 @@ NodeBuilder::NodeBuilder(const StoredLattice& lattice, std::uint32_t level, cons
 }
 
 void NodeBuilder::add_position(const std::array<std::int64_t, 3>& position) {
+  ++positions_;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     low_[axis] = std::min(low_[axis], position[axis]);
     high_[axis] = std::max(high_[axis], position[axis]);
@@ -45,13 +46,14 @@ void NodeBuilder::count_angles(const mesh::Mesh& mesh) {
 }
 
 facts::FinishedNode NodeBuilder::store(const run::Workspace& workspace, const codec::coded::CodedNode& mesh,
-                                       const codec::Codec& codec) {
+                                       const codec::Codec& codec) && {
   container::NodeRow& row = node_.row;
   for (const codec::coded::CodedPart& part : mesh.parts) {
     row.tetra_mask = static_cast<std::uint8_t>(row.tetra_mask | 1U << part.place);
     row.vertices += static_cast<std::uint32_t>(part.positions.size());
     row.triangles += static_cast<std::uint32_t>(part.triangles.size());
   }
+  COLOSSUS_CHECK(positions_ == row.vertices, "{} positions of {} vertices", positions_, row.vertices);
   if (row.vertices == 0) add_position(empty_at_);
   set_bounds();
   store_chunk(workspace, codec, codec::encode(mesh, codec), node_);

@@ -29,30 +29,30 @@ void store_chunk(const run::Workspace& workspace, const codec::Codec& codec, con
 
 class NodeBuilder {
  public:
-  // `center` is the node's in the node table. A node at which no vertex is added has its bounds there:
-  // `empty_at` is the same place on the stored lattice.
+  // `center` is the node's in the node table, in units of the container's lattice. A node without vertices
+  // has its bounds there: `empty_at` is the same place on the stored lattice.
   NodeBuilder(const StoredLattice& lattice, std::uint32_t level, const geometry::Point& center,
               const std::array<std::int64_t, 3>& empty_at);
 
   // What only the scheme knows: the row's error and flags, statistics, area, displacement.
   facts::FinishedNode& node() { return node_; }
-  container::NodeRow& row() { return node_.row; }
 
-  // A vertex, where it will be stored.
+  // Each vertex of the mesh, where it will be stored, on the stored lattice.
   void add_position(const std::array<std::int64_t, 3>& position);
   // The angles of a mesh that goes into the node, before it is quantised.
   void count_angles(const mesh::Mesh& mesh);
 
   // Completes the row with the mesh's counts and places, and with bounds; encodes and packs the mesh, and
-  // appends the chunk to scratch. The mesh is as codec::encode() wants it. Not collective.
+  // appends the chunk to scratch; once. The mesh is as codec::encode() wants it. Not collective.
   facts::FinishedNode store(const run::Workspace& workspace, const codec::coded::CodedNode& mesh,
-                            const codec::Codec& codec);
+                            const codec::Codec& codec) &&;
 
  private:
   void set_bounds();
 
   StoredLattice lattice_;
   facts::FinishedNode node_;
+  std::uint64_t positions_ = 0;  // that were added
   std::array<std::int64_t, 3> empty_at_;
   std::array<std::int64_t, 3> low_;
   std::array<std::int64_t, 3> high_;

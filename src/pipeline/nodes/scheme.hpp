@@ -30,13 +30,16 @@ struct Scheme {
   const char* leaf_triangles_of;                 // "per leaf": what --leaf-triangles are triangles of
   const char* position_bits_of;                  // "per weight": what --position-bits are bits of
   std::span<const facts::SchemeOption> options;  // beside those that all schemes have
-  // Throws Error(kUsage) for options that make no sense for it. Not collective.
+  // Throws Error(kUsage) for options that make no sense for it; null: all do. Not collective.
   void (*check)(const facts::BuildOptions& options);
   // From the counts of the survey. Not collective.
   NodeNeeds (*estimate)(const facts::BuildOptions& options, const facts::Catalog& catalog,
                         const ingest::Occupancy& occupancy);
-  // Collective. From groups of triangles with vertices on the lattice to finished nodes, all in scratch;
-  // completes the catalogue's counts and area.
+  // Collective. From groups of triangles with vertices on the lattice to finished nodes, all in scratch.
+  // buckets::make_buckets() and LevelDriver do what all schemes owe: memory is asked for before it is used,
+  // phases are released that nobody reads any more, --tolerance and the surface are kept. The scheme itself
+  // adds to the catalogue's counts what it did to edges and triangles, on all ranks; where its own rounding
+  // is coarser than the lattice's, it calls ingest::refuse_far_corner().
   facts::FinishedNodes (*build)(const run::Workspace& workspace, facts::Catalog& catalog,
                                 std::vector<ingest::TriangleGroup>&& groups);
 };

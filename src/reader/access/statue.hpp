@@ -52,6 +52,7 @@ class Statue {
 
   // The row of this level and centre; kNoRow when there is none. log n.
   RowIndex find_row(std::uint32_t level, const geometry::Point& center) const;
+  // level <= deepest_level().
   RowRange rows_of_level(std::uint32_t level) const;
 
   // The largest distance, in world units, between a vertex of the input and its place on the lattice.

@@ -87,6 +87,13 @@ TEST(OptionTable, TheContainerStoresWhatWasChosen) {
       (Texts{{"leaf_triangles", "8000"}, {"position_bits", "9"}, {"codec", "predict"}, {"lenient", "true"}}));
 }
 
+constexpr TypedOption<std::int64_t> kSize{"z_size", "", ""};
+constexpr TypedOption<double> kWeight{"weight", "", "What it weighs", 0.0};
+constexpr TypedOption<bool> kAlways{"always", "", "", true, Stored::kAlways};
+constexpr TypedOption<bool> kNever{"never", nullptr, "", true, Stored::kNever};
+constexpr TypedOption<std::int64_t> kALevel{"a_level", "", ""};
+constexpr std::array<SchemeOption, 5> kSample{kSize, kWeight, kAlways, kNever, kALevel};
+
 TEST(SchemeOptions, TheManifestHoldsWhatWasGiven) {
   BuildOptions options;
   const scratch::Manifest before = manifest_with(options);
@@ -99,20 +106,29 @@ TEST(SchemeOptions, TheManifestHoldsWhatWasGiven) {
 }
 
 TEST(SchemeOptions, TheContainerStoresWhatWasChosenInTheOrderOfTheScheme) {
-  constexpr std::array<SchemeOption, 5> kOptions{{{"z_size", "", std::int64_t{4}, true},
-                                                  {"weight", "", 0.0},
-                                                  {"always", "", true, false, Stored::kAlways},
-                                                  {"never", "", true, false, Stored::kNever},
-                                                  {"a_level", "", std::int64_t{0}, true}}};
   using Texts = std::vector<container::NamedText>;
-  EXPECT_EQ(stored_values(kOptions, {}), Texts{});
-  EXPECT_EQ(stored_values(kOptions, {{"a_level", std::int64_t{0}},
-                                     {"z_size", std::int64_t{4}},
-                                     {"weight", 0.0},
-                                     {"always", true},
-                                     {"never", false}}),
-            (Texts{{"z_size", "4"}, {"always", "true"}, {"a_level", "0"}}));
-  EXPECT_EQ(stored_values(kOptions, {{"weight", 0.25}}), (Texts{{"weight", "0.25"}}));
+  EXPECT_EQ(stored_values(kSample, {}), (Texts{{"always", "true"}}));
+  EXPECT_EQ(stored_values(kSample, {{"a_level", std::int64_t{0}},
+                                    {"z_size", std::int64_t{4}},
+                                    {"weight", 0.0},
+                                    {"always", false},
+                                    {"never", false}}),
+            (Texts{{"z_size", "4"}, {"always", "false"}, {"a_level", "0"}}));
+  EXPECT_EQ(stored_values(kSample, {{"weight", 0.25}}), (Texts{{"weight", "0.25"}, {"always", "true"}}));
+  EXPECT_EQ(meanings_of(kSample)[1], (container::NamedText{"weight", "What it weighs"}));
+}
+
+TEST(SchemeOptions, ItMakesNoDifferenceWhetherADefaultIsGiven) {
+  BuildOptions nothing, given;
+  given.of_scheme["weight"] = 0.0;
+  EXPECT_NE(manifest_with(given), manifest_with(nothing));
+  for (BuildOptions* options : {&nothing, &given}) complete(kSample, options->of_scheme);
+  EXPECT_EQ(manifest_with(given), manifest_with(nothing));
+  // What the build is to choose, and what only tests have, stay open.
+  EXPECT_EQ(nothing.of_scheme, (SchemeValues{{"weight", 0.0}, {"always", true}}));
+  nothing.of_scheme["weight"] = 2.0;
+  complete(kSample, nothing.of_scheme);
+  EXPECT_EQ(std::get<double>(nothing.of_scheme["weight"]), 2.0);
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ TEST(NodeBuilder, BoundsAreThoseOfWhatAReaderComputesToTheBit) {
     const StoredLattice lattice{{1e6 / 3.0, -1e7 / 7.0, 0.1}, 0.001 / 3.0};
     NodeBuilder builder(lattice, 3, {1, 2, 3}, {0, 0, 0});
     for (const Point& p : points) builder.add_position({p.x, p.y, p.z});
-    const facts::FinishedNode node = builder.store(build.workspace(), node_through(points, codec), codec);
+    const facts::FinishedNode node =
+        std::move(builder).store(build.workspace(), node_through(points, codec), codec);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double low = INFINITY, high = -INFINITY;
       for (const Point& p : points) {
@@ -71,8 +72,8 @@ TEST(NodeBuilder, TheChunkInScratchIsTheMeshAndTheRowCountsIt) {
     const CodedNode mesh = node_through(points, codec);
     NodeBuilder builder({{}, 1.0}, 5, {7, 8, 9}, {0, 0, 0});
     for (const Point& p : points) builder.add_position({p.x, p.y, p.z});
-    builder.row().flags = container::kNodeIsLeaf;
-    const facts::FinishedNode node = builder.store(build.workspace(), mesh, codec);
+    builder.node().row.flags = container::kNodeIsLeaf;
+    const facts::FinishedNode node = std::move(builder).store(build.workspace(), mesh, codec);
     EXPECT_EQ(node.row.level, 5U);
     EXPECT_EQ(node.row.center, (std::array<std::int32_t, 3>{7, 8, 9}));
     EXPECT_EQ(node.row.flags, container::kNodeIsLeaf);
@@ -113,8 +114,8 @@ TEST(NodeBuilder, TheMaskHasABitForEveryPlace) {
     mesh.parts.push_back(part);
   }
   NodeBuilder builder({{}, 1.0}, 1, {0, 0, 0}, {0, 0, 0});
-  builder.add_position({1, 2, 3});
-  const facts::FinishedNode node = builder.store(build.workspace(), mesh, codec);
+  for (int i = 0; i < 9; ++i) builder.add_position({1, 2, 3});
+  const facts::FinishedNode node = std::move(builder).store(build.workspace(), mesh, codec);
   EXPECT_EQ(node.row.tetra_mask, 0b1001'0010);
   EXPECT_EQ(node.row.vertices, 9U);
   EXPECT_EQ(node.row.triangles, 3U);
@@ -125,7 +126,7 @@ TEST(NodeBuilder, ANodeWithoutVerticesHasItsBoundsWhereItIs) {
   const TestBuild build(folder);
   NodeBuilder builder({{10.0, 20.0, 30.0}, 0.5}, 0, {1, 1, 1}, {2, 4, 6});
   const facts::FinishedNode node =
-      builder.store(build.workspace(), codec::coded::lattice_node(), codec::codecs()[0]);
+      std::move(builder).store(build.workspace(), codec::coded::lattice_node(), codec::codecs()[0]);
   EXPECT_EQ(node.row.bounds, (std::array<double, 6>{11.0, 22.0, 33.0, 11.0, 22.0, 33.0}));
   EXPECT_EQ(node.row.vertices, 0U);
 }
