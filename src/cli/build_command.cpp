@@ -4,6 +4,7 @@
 #include "cli/commands.hpp"
 #include "cluster/session.hpp"
 #include "core/log.hpp"
+#include "input/formats.hpp"
 #include "pipeline/build.hpp"
 #include "pipeline/facts/option_table.hpp"
 #include "pipeline/schemes.hpp"
@@ -21,6 +22,7 @@ std::string codec_names() {
 std::string help_of(const pipeline::facts::Option& option) {
   using pipeline::nodes::Scheme;
   const std::string_view name = option.name;
+  if (name == "inputs") return fmt::format("{} {}", input::format_names(), option.help);
   if (name == "scheme")
     return fmt::format("{}: {}", option.help, pipeline::schemes_text(&Scheme::description));
   if (name == "leaf_triangles")

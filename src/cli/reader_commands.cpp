@@ -131,8 +131,7 @@ void add_extract(CLI::App& app, Action& chosen) {
   command->add_option("container", arguments->container, "The container")->required();
   command->add_option("-o,--output", arguments->output, "The PLY file to write")->required();
   CLI::Option_group* cut = command->add_option_group("cut", "Which cut");
-  cut->add_option("--level", arguments->level,
-                  "Every tetrahedron or cube of this level, or the leaf above it")
+  cut->add_option("--level", arguments->level, "Every node of this level, or the leaf above it")
       ->check(count_from(0, kMostLevel));
   cut->add_option("--error", arguments->error,
                   "The coarsest cut with at most this error, in the input's units")
@@ -142,8 +141,8 @@ void add_extract(CLI::App& app, Action& chosen) {
       ->check(count_from(0));
   CLI::Option* eye =
       cut->add_option("--eye", arguments->eye,
-                      "The view-dependent cut for an eye at X,Y,Z, in the input's units; blocks are "
-                      "morphed, so that no level ends abruptly")
+                      "The view-dependent cut for an eye at X,Y,Z, in the input's units; levels go over "
+                      "into each other as the scheme has it")
           ->delimiter(',')
           ->expected(3);
   cut->require_option(1);
@@ -151,7 +150,7 @@ void add_extract(CLI::App& app, Action& chosen) {
       ->add_option(
           "--kappa", arguments->kappa,
           "With --eye: what is nearer than so many times a node's side is refined; default 2, or what "
-          "blocks need at least")
+          "the scheme needs at least")
       ->needs(eye);
   command->callback([&chosen, arguments] {
     chosen = [arguments](int&, char**&) {

@@ -92,14 +92,7 @@ std::string foreign_name(const std::string& text) {
   return {};
 }
 
-// "a PLY, OBJ, STL or OFF file".
-std::string expected_text() {
-  std::string names;
-  const auto all = formats();
-  for (std::size_t i = 0; i < all.size(); ++i)
-    names += fmt::format("{}{}", i == 0 ? "" : i + 1 < all.size() ? ", " : " or ", all[i]->name);
-  return fmt::format("expected a {} file", names);
-}
+std::string expected_text() { return fmt::format("expected a {} file", format_names()); }
 
 bool has_extension(const Format& format, const core::File& file) {
   const std::string extension = lower(file.path().extension().string());
@@ -108,6 +101,14 @@ bool has_extension(const Format& format, const core::File& file) {
 }
 
 }  // namespace
+
+std::string format_names() {
+  std::string names;
+  const auto all = formats();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    names += fmt::format("{}{}", i == 0 ? "" : i + 1 < all.size() ? ", " : " or ", all[i]->name);
+  return names;
+}
 
 FileStart start_of(const core::File& file) {
   FileStart start{file, beginning_of(file), {}};

@@ -39,4 +39,7 @@ extern const Format kStlFormat;
 // All of them, in the order in which they are asked.
 std::span<const Format* const> formats();
 
+// "PLY, OBJ, STL or OFF", for people.
+std::string format_names();
+
 }  // namespace colossus::input

@@ -196,29 +196,29 @@ double measure_samples(const mesh::Mesh& after, std::span<const std::uint16_t> c
 // From the surface to the one that it was made of, and on to the input by what that one deviated there.
 class WayBack {
  public:
-  // Places that are no farther than `known` need not be measured.
+  // `earlier`: what the samples said of the surface before, where each of its vertices was. Places that are no
+  // farther than `known` need not be measured.
   WayBack(const mesh::Mesh& before, const mesh::Mesh& after, std::span<const std::uint32_t> representative,
-          double known)
+          std::span<const float> earlier, double known)
       : before_(before),
         after_(after),
         representative_(representative),
         known_(known),
         surface_before_(before),
         carried_(after.vertices.size(), 0.0F),
-        origin_(after.vertices.size(), kNone) {}
+        origin_(after.vertices.size(), kNone),
+        placed_(find_origins(earlier)) {}
 
-  // To the triangles around all vertices that have become this one. `earlier`: what the samples said of the
-  // surface before, where each of its vertices was.
-  void measure_vertices(std::span<const float> earlier) {
-    std::vector<Nearest> placed = find_origins(earlier);
+  // To the triangles around all vertices that have become this one.
+  void measure_vertices() {
     for (std::uint32_t v = 0; v < before_.vertices.size(); ++v) {
       const std::uint32_t r = representative_[v];
-      if (placed[r].squared > 0.0)
-        surface_before_.look_around(geometry::to_vec3(after_.vertices[r].position), v, placed[r]);
+      if (placed_[r].squared > 0.0)
+        surface_before_.look_around(geometry::to_vec3(after_.vertices[r].position), v, placed_[r]);
     }
-    for (std::size_t r = 0; r < placed.size(); ++r)
-      if (placed[r].squared > 0.0)
-        farthest_ = std::max(farthest_, std::sqrt(placed[r].squared) + static_cast<double>(carried_[r]));
+    for (std::size_t r = 0; r < placed_.size(); ++r)
+      if (placed_[r].squared > 0.0)
+        farthest_ = std::max(farthest_, std::sqrt(placed_[r].squared) + static_cast<double>(carried_[r]));
   }
 
   void measure_middles() {
@@ -281,6 +281,7 @@ class WayBack {
   WalkableSurface surface_before_;
   std::vector<float> carried_;         // the greatest that the samples said where it comes from
   std::vector<std::uint32_t> origin_;  // a vertex of `before` that has become this one
+  std::vector<Nearest> placed_;        // 0 for who has stayed where it was
 };
 
 }  // namespace
@@ -296,8 +297,8 @@ Deviation measure_deviation(const mesh::Mesh& before, const mesh::Mesh& after,
   Deviation deviation;
   deviation.of_samples = measure_samples(after, cells, representative, samples);
   if (after.triangles.empty()) return deviation;
-  WayBack back(before, after, representative, deviation.of_samples);
-  back.measure_vertices(earlier);
+  WayBack back(before, after, representative, earlier, deviation.of_samples);
+  back.measure_vertices();
   back.measure_middles();
   if (has_border) back.measure_border();
   deviation.of_surface = back.farthest();

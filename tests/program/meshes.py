@@ -45,11 +45,11 @@ def tube(around, along, radius=1.0, inner=0.4, noise=0.0, seed=1):
                                         np.stack([at(i, j), at(i + 1, j + 1), at(i, j + 1)], 1)]))
 
 
-def tetrahedra(count, size, seed=1, depth=1.0):
-    """Separate tetrahedra in the unit cube, or a slab of it, facing outward; irregular, but none flat."""
+def tetrahedra(count, size, seed=1):
+    """Separate tetrahedra in the unit cube, facing outward; irregular, but none flat."""
     random = np.random.default_rng(seed)
     regular = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / 2.0
-    corners = random.random((count, 1, 3)) * (1, 1, depth) + size * (regular + 0.2 * random.random((count, 4, 3)))
+    corners = random.random((count, 1, 3)) + size * (regular + 0.2 * random.random((count, 4, 3)))
     sides = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
     return Mesh(corners, sides[None] + 4 * np.arange(count)[:, None, None])
 

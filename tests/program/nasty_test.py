@@ -171,9 +171,8 @@ class Nasty(program.ColossusTest):
         self.assertTrue(np.isfinite(distances.to_mesh(mesh.points, points, reach)).all(), "a corner is missing")
 
     def test_separate_tetrahedra_of_few_bits(self):
-        """A unit of weight in the root is as large as one of them: still closed and manifold. A quarter of the cube, with as
-        many of them in a cell of the root's units as in the test before."""
-        container, info = self.run_through(meshes.tetrahedra(15_000, 0.004, depth=0.25), "--position-bits", 8)
+        """A unit of weight in the root is as large as one of them: still closed and manifold."""
+        container, info = self.run_through(meshes.tetrahedra(60_000, 0.004), "--position-bits", 8)
         self.assert_levels(container, info)
 
     def test_slivers_of_few_bits(self):

@@ -247,6 +247,7 @@ nodes::NodeNeeds estimate(const facts::BuildOptions&, const facts::Catalog& cata
 }  // namespace
 
 constinit const nodes::Scheme kSketchScheme{
-    kSketch, "the input, and a sketch of it", "of nothing", "of nothing", kOptions, &check, &estimate, &build};
+    kSketch, "the input, and a sketch of it", "of nothing", "of nothing", kOptions, &check, &estimate,
+    &build};
 
 }  // namespace colossus::toy

@@ -5,6 +5,7 @@ import json
 import os
 import random
 
+import h5py
 import jsonschema
 import numpy as np
 
@@ -37,7 +38,10 @@ class Toy(program.ColossusTest):
         with open(self.path("report.json"), encoding="utf-8") as file:
             report = json.load(file)
         with open(os.path.join(SCHEMAS, "report.schema.json"), encoding="utf-8") as file:
-            jsonschema.validate(report, json.load(file))
+            schema = json.load(file)
+        # It lists the options of the program's schemes.
+        schema["properties"]["options"]["properties"].update(share={"type": "number"}, whole={"type": "boolean"})
+        jsonschema.validate(report, schema)
         self.assertEqual(report["options"]["scheme"], "sketch")
         info = self.info(container)
         self.assertEqual(info["scheme"], "sketch")
@@ -84,6 +88,41 @@ class Toy(program.ColossusTest):
             run = self.run_program("verify", self.path("damaged.h5"), status=program.BAD_DATA)
             self.assertIn("checksum", run.stdout + run.stderr)
 
+    def test_options_of_their_own(self):
+        """Of all three types; one has the name of an option of blocks. Help, container, report and manifest have them."""
+        _, tris, soup = self.statue(3000)
+        text = self.run_program("build", "--help").stdout
+        for line in ("--levels INT +Of blocks: the deepest level, instead of the one that fits. Of sketch: the level",
+                     "--share FLOAT=0.5 +Of sketch: what the sketch has", "--whole +Of sketch: the sketch has all"):
+            self.assertRegex(text, line)
+        report = self.path("report.json")
+        container = self.build("sketch.h5", tris, options=("--scheme", "sketch", "--levels", 1, "--share", 0.25, "--report", report))
+        info = self.info(container)
+        self.assertEqual(info["options"]["levels"], "1")
+        self.assertEqual(info["options"]["share"], "0.25")
+        self.assertNotIn("whole", info["options"])
+        self.assertAlmostEqual(info["levels"][0]["triangles"], len(soup) // 4, delta=2)  # collapses take two
+        self.assertLessEqual(info["levels"][1]["nodes"], 8)
+        with h5py.File(container) as file:
+            self.assertEqual(file["options"].attrs["row_share"], b"Share of the triangles that the sketch was to have")
+        with open(report, encoding="utf-8") as file:
+            options = json.load(file)["options"]
+        self.assertEqual((options["levels"], options["share"], options["whole"]), (1, 0.25, False))
+        whole = self.build("whole.h5", tris, options=("--scheme", "sketch", "--whole"))
+        self.assertEqual(self.info(whole)["levels"][0]["triangles"], len(soup))
+        for option, found in ((("--levels", 5), "--levels 5 is out of range"),
+                              (("--tolerance", 1e-12), "--tolerance 1e-12"),
+                              (("--position-bits", 99), "--position-bits 99 is out of range")):
+            run = self.run_program("build", tris, "-o", self.path("no.h5"), "--scheme", "sketch", *option, status=program.USAGE)
+            self.assertIn(found, run.stderr)
+            self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("no.h5")], [])
+        run = self.run_program("build", tris, "-o", self.path("no.h5"), "--share", 0.25, status=program.USAGE)
+        self.assertIn("--share is an option of --scheme sketch only", run.stderr)
+        run = self.run_program("build", tris, "-o", self.path("no.h5"), "--levels", 1, status=program.USAGE)
+        self.assertIn("--levels is an option of --scheme blocks or sketch only", run.stderr)
+        # A default says nothing new: not to another scheme either.
+        self.build("default.h5", tris, options=("--share", 0.5))
+
     def test_what_the_program_says_of_them(self):
         _, tris, _ = self.statue(500)
         container = self.sketch("sketch.h5", tris)
@@ -95,9 +134,7 @@ class Toy(program.ColossusTest):
         run = self.run_program("build", tris, "-o", self.path("no.h5"), "--scheme", "sketch", program=PLAIN,
                                status=program.USAGE)
         self.assertIn("sketch", run.stderr)
-        run = self.run_program("build", tris, "-o", self.path("no.h5"), "--scheme", "sketch", "--levels", 2,
-                               status=program.USAGE)
-        self.assertIn("--levels", run.stderr)
+        self.assertIn("PLY, OBJ, STL, OFF or TRIS files", self.run_program("build", "--help").stdout)
         for content, found in (("tris 1 2 3", "the end of the file"), ("tris 1 2 x", "x"), ("odd", "TRIS")):
             with open(self.path("bad"), "w", encoding="utf-8") as file:
                 file.write(content)

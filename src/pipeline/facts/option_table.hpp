@@ -30,7 +30,7 @@ struct Option {
 template <typename Visit>
 constexpr void for_each_file_option(Visit visit) {
   using O = BuildOptions;
-  visit(Option{"inputs", "PLY, OBJ, STL or OFF files, or @list.txt; together one statue"}, &O::inputs);
+  visit(Option{"inputs", "files, or @list.txt; together one statue"}, &O::inputs);
   visit(Option{"output", "The container to write, e.g. statue.h5"}, &O::output);
 }
 
