@@ -1,7 +1,6 @@
 #include "reader/access/statue.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 
 #include "core/error.hpp"
@@ -17,25 +16,7 @@ Statue::Statue(container::ContainerReader container, std::string_view scheme)
   if (metadata().scheme != scheme)
     core::fail(Status::kBadData, "{}: scheme: expected \"{}\", found \"{}\"", file, scheme,
                metadata().scheme);
-  for (const double origin : metadata().lattice.origin)
-    if (!std::isfinite(origin)) core::fail(Status::kBadData, "{}: the lattice's origin is not finite", file);
   if (rows().size() >= kNoRow) core::fail(Status::kBadData, "{}: too many nodes: {}", file, rows().size());
-  for (RowIndex row = 0; row < rows().size(); ++row) check_row(row);
-}
-
-void Statue::check_row(RowIndex index) const {
-  const NodeRow& row = rows()[index];
-  if (!std::isfinite(row.error) || row.error < 0) fail_node(index, fmt::format("its error is {}", row.error));
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(row.bounds[axis]) || !std::isfinite(row.bounds[axis + 3]) ||
-        row.bounds[axis] > row.bounds[axis + 3])
-      fail_node(index, fmt::format("its bounds are {} to {} on axis {}", row.bounds[axis],
-                                   row.bounds[axis + 3], axis));
-  if (index > 0) {
-    const NodeRow& before = rows()[index - 1];
-    if (std::tie(before.level, before.center) >= std::tie(row.level, row.center))
-      fail_node(index, "the node table is not in ascending order of level and centre");
-  }
 }
 
 std::optional<std::uint64_t> Statue::count_of(std::string_view name) const {

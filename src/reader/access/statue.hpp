@@ -68,8 +68,8 @@ class Statue {
   std::string name(RowIndex row) const { return name_of(rows()[row]); }
 
  protected:
-  // Throws Error(kBadData) when the container is of another scheme, or when a row's error or bounds are not
-  // finite or rows are out of order.
+  // Throws Error(kBadData) when the container is of another scheme. That rows are in order, and their errors
+  // and bounds finite, the container's reader has seen to.
   Statue(container::ContainerReader container, std::string_view scheme);
   [[noreturn]] void fail_node(RowIndex row, const std::string& message) const;
   // The value of the metadata's parameter of that name. Throws Error(kBadData) when there is none.
@@ -84,7 +84,6 @@ class Statue {
   codec::coded::CodedNode decode_node(RowIndex index, Decode decode) const;
 
  private:
-  void check_row(RowIndex index) const;
   container::ContainerReader container_;
 };
 

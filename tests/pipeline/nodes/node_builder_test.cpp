@@ -140,6 +140,7 @@ TEST(NodeBuilder, AnglesOfSeveralMeshesAddUp) {
   builder.count_angles(sliver);
   builder.count_angles(sliver);
   EXPECT_EQ(builder.node().statistics.angles.below_5_degrees, 2U);
+  EXPECT_EQ(builder.node().statistics.angles.below_15_degrees, 2U);
   EXPECT_EQ(builder.node().statistics.angles.below_30_degrees, 2U);
 }
 
