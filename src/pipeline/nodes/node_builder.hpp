@@ -34,6 +34,9 @@ class NodeBuilder {
   NodeBuilder(const StoredLattice& lattice, std::uint32_t level, const geometry::Point& center,
               const std::array<std::int64_t, 3>& empty_at);
 
+  NodeBuilder(const NodeBuilder&) = delete;
+  NodeBuilder& operator=(const NodeBuilder&) = delete;
+
   // What only the scheme knows: the row's error and flags, statistics, area, displacement.
   facts::FinishedNode& node() { return node_; }
 

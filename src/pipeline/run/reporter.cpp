@@ -88,7 +88,7 @@ ordered_json options_json(const facts::BuildOptions& options) {
     if (option.help != nullptr && value != nullptr) json[option.name] = *value;
   });
   for (const auto& [name, value] : options.of_scheme)
-    std::visit([&](const auto& v) { json[name] = v; }, value);
+    std::visit([&, &key = name](const auto& v) { json[key] = v; }, value);
   return json;
 }
 
