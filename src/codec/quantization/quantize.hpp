@@ -41,8 +41,8 @@ struct QuantizeOptions {
 };
 
 // Triangles whose corners fall together are dropped and these vertices merged; where nothing else would be
-// left of the surface, two triangles back to back stay for them (codec/lost.hpp). Of two opposite triangles
-// over the same vertices both go where they are a fin thinner than a unit of weight, else both stay, apart
+// left of the surface, two triangles back to back stay for them (codec/quantization/lost.hpp). Of two
+// opposite triangles over the same vertices both go where they are a fin thinner than a unit of weight, else both stay, apart
 // from the rest. Vertices that fall together otherwise are a pinch, which is legal unless edges do so too:
 // then vertices step aside or edges are split, so that quantisation makes no edge non-manifold. Triangles
 // keep their order, vertices come out in order of first use. A mesh that is not empty does not come out

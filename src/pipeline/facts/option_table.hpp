@@ -1,5 +1,5 @@
-// The table of the options that builds of all schemes have; scheme_options.hpp is about the others. Command line, manifest, container, report and their tests follow it,
-// so that a new option is a member of BuildOptions and one line here.
+// The table of the options that builds of all schemes have; scheme_options.hpp is about the others. Command
+// line, manifest, container, report and their tests follow it, so that a new option is a member of BuildOptions and one line here.
 #pragma once
 
 #include <string>

@@ -77,8 +77,9 @@ void measure_from_input(const reader::access::Statue& statue, const Input& input
                         const LevelMeasure& measure, const std::function<HeldError(const WorldPoint&)>& held,
                         FindingLog& log, std::vector<double>& greatest);
 
-// How loose the stored errors are, once all levels are measured: `greatest` holds per row the greatest distance
-// either way, and becomes the greatest of it and of all rows below. A node's error is at least that of the nodes below, so it is judged with their distances too;
+// How loose the stored errors are, once all levels are measured: `greatest` holds per row the greatest
+// distance either way, and becomes the greatest of it and of all rows below. A node's error is at least that
+// of the nodes below, so it is judged with their distances too;
 // where one of these is damaged, nothing can be said. `parents` are the rows above one, each with a lesser
 // number; `resolution` is what no distance of the row can show, in world units. Completes the report's numbers
 // of nodes, and adds a finding where most are loose.

@@ -96,7 +96,7 @@ struct VerifyReport {
 // For people: a table per level, what was checked, and the findings.
 std::string to_text(const VerifyReport& report);
 
-// Private to this folder.
+// For those who verify: collects findings into a report.
 class FindingLog {
  public:
   FindingLog(VerifyReport& report, std::size_t examples_per_kind)
