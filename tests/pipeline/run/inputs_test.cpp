@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <set>
 
 #include "core/error.hpp"
+#include "core/version.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace colossus::pipeline::run {
@@ -53,6 +55,12 @@ TEST(Manifest, SaysWhatDiffersAndSurvivesItsText) {
   EXPECT_EQ(scratch::Manifest::parse(one.text()), one);
   options.of_scheme["color_weight"] = 2.0;
   EXPECT_NE(manifest_of(options, kInputs).difference_from(one).find("color_weight"), std::string::npos);
+}
+
+TEST(Manifest, HoldsTheProgramsRelease) {
+  const scratch::Manifest manifest = manifest_of({}, kInputs);
+  const std::pair<std::string, std::string> wanted{"program", core::release_version()};
+  EXPECT_EQ(std::count(manifest.entries.begin(), manifest.entries.end(), wanted), 1);
 }
 
 class Inputs : public ::testing::Test {
