@@ -5,8 +5,10 @@ check_layers.py [SOURCE_FOLDER]    default: src/ beside this script's folder
 
 Each folder, and each folder within one, includes headers of the folders that it is allowed only, and of these only
 those that its CMake target links; the target links no folder that it may not; a system's header stays in the folder
-that hides it; a header whose first line says "Private to this folder" is included there only; namespaces are named like
-folders. Prints one line per violation; exit status 1 if there is any.
+that hides it; a header whose first line says "Private to this folder" is included there only; each file has a namespace,
+which is named like its folder. What is in the folders of a scheme only the tables of schemes (schemes.cpp) include, and the
+other folders of this scheme. Each folder has tests: tests/, where it lies beside SOURCE_FOLDER, has the same folders.
+Prints one line per violation; exit status 1 if there is any.
 """
 import pathlib
 import re
@@ -68,6 +70,9 @@ ALLOWED["pipeline/facts"] = ALLOWED["pipeline/facts"] - {"cluster"}
 FILES = {"core", "input", "synth", "scratch", "container", "container/hdf5", "exporters", "cli"}
 FILES |= {folder for folder in ALLOWED if folder.split("/")[0] in ("pipeline", "reader", "verify")}
 
+SCHEMES = {"diamonds", "blocks"}
+TABLE_OF_SCHEMES = "schemes.cpp"
+
 # Headers of others that only some folders may include.
 OWNERS = [
     (re.compile(r"(.*/)?mpi\.h"), {"cluster"}),
@@ -81,11 +86,17 @@ OWNERS = [
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
 TARGET = re.compile(r"colossus::(\w+)")
+FOREIGN_SUFFIXES = {".h", ".hh", ".hxx", ".h++", ".c", ".cc", ".cxx", ".c++", ".inc", ".ipp", ".inl", ".tpp"}
 NAMESPACE = re.compile(r"^namespace (colossus(?:::\w+)*) \{", re.MULTILINE)
 
 
 def target_of(folder):
     return folder.replace("/", "_")
+
+
+def scheme_of(folder):
+    name = folder.rsplit("/", 1)[-1]
+    return name if name in SCHEMES else None
 
 
 def line_of(text, offset):
@@ -126,6 +137,9 @@ def check_include(source, place, header, folder, linked):
     elif target != folder:
         if target not in ALLOWED[folder]:
             yield f"{place}: {folder} may not include {header}"
+        elif scheme_of(target) not in (None, scheme_of(folder)) and not place.rsplit(":", 1)[0].endswith(
+                "/" + TABLE_OF_SCHEMES):
+            yield f"{place}: {header} is of one scheme; only {TABLE_OF_SCHEMES} and folders {scheme_of(target)}/ include it"
         elif target not in linked:
             yield f"{place}: {folder} includes {header}, but does not link colossus::{target_of(target)}"
         if (source / header).exists() and (source / header).read_text().startswith("// Private to this folder"):
@@ -143,19 +157,35 @@ def check_file(source, path, folder, linked):
         if match[1]:
             yield from check_include(source, place, header, folder, linked)
     expected = "colossus::" + folder.replace("/", "::")
-    for match in NAMESPACE.finditer(text):
-        if match[1] != expected:
-            yield f"{path}:{line_of(text, match.start())}: expected namespace {expected}, found {match[1]}"
+    found = [(match, match[1]) for match in NAMESPACE.finditer(text)]
+    for match, name in found:
+        if name != expected:
+            yield f"{path}:{line_of(text, match.start())}: expected namespace {expected}, found {name}"
+    if not found and "int main(" not in text:
+        yield f"{path}: expected namespace {expected}, found none"
+
+
+def check_tests(source, tests):
+    for folder in sorted(ALLOWED):
+        if not any(path.suffix in (".cpp", ".py") for path in (tests / folder).glob("*")):
+            yield f"{source / folder}: expected tests in {tests / folder}"
 
 
 def check(source):
     linked, violations = linked_folders(source)
-    for path in sorted(source.rglob("*.[ch]pp")):
+    for path in sorted(source.rglob("*")):
         folder = str(path.parent.relative_to(source))
-        if folder in ALLOWED:
+        if path.suffix in FOREIGN_SUFFIXES:
+            violations.append(f"{path}: expected a name that ends in .cpp or .hpp")
+        elif path.suffix not in (".cpp", ".hpp"):
+            continue
+        elif folder in ALLOWED:
             violations.extend(check_file(source, path, folder, linked[folder]))
         else:
             violations.append(f"{path}: scripts/check_layers.py does not know the folder {folder}")
+    tests = source.parent / "tests"
+    if tests.exists():
+        violations.extend(check_tests(source, tests))
     return violations
 
 

@@ -40,6 +40,12 @@ PLANTED = [
      "pipeline/buckets may not link colossus::pipeline"),
     ("pipeline/novel/novel.cpp", "int x;", "does not know the folder pipeline/novel"),
     ("pipeline/run/memory.cpp", "namespace colossus::pipeline {}", "expected namespace colossus::pipeline::run"),
+    ("mesh/novel.cpp", "int x;", "expected namespace colossus::mesh, found none"),
+    ("pipeline/novel.h", "#include <mpi.h>", "expected a name that ends in .cpp or .hpp"),
+    ("pipeline/estimate.cpp", '#include "pipeline/blocks/scheme.hpp"', "is of one scheme"),
+    ("cli/reader_commands.cpp", '#include "reader/diamonds/statue.hpp"', "is of one scheme"),
+    ("verify/blocks/checks.cpp", '#include "reader/diamonds/statue.hpp"', "verify/blocks may not include"),
+    ("../tests/mesh/mesh_test.cpp", "int x;", "expected tests in"),  # and in no other folder
 ]
 
 
@@ -58,9 +64,9 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             copy = pathlib.Path(folder) / "src"
             shutil.copytree(source, copy)
-            if not (copy / name).exists() and "novel" not in name:
+            if not (copy / name).exists() and "novel" not in name and ".." not in name:
                 failures.append(f"{name}: expected a file of src/ to plant a violation in, found none")
-            (copy / name).parent.mkdir(exist_ok=True)
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
             with open(copy / name, "a") as file:
                 file.write(f"\n{line}\n")
             status, output = run(checker, copy)
