@@ -41,8 +41,8 @@ ALLOWED = {
     "codec/paper": CODED | {"codec/entropy"},
     "codec/zstd": CODED,
     "codec": CODED | {"codec/predict", "codec/paper", "codec/zstd"},
-    "input": GROUND | {"mesh"},
-    "synth": GROUND,
+    "input": GROUND,
+    "synth": {"core"},
     "cluster": {"core"},
     "scratch": {"core"},
     "container/hdf5": {"core"},
@@ -62,7 +62,7 @@ ALLOWED = {
     "verify": {"core", "reader/access", "reader/diamonds", "reader/blocks", "verify/measure", "verify/diamonds",
                "verify/blocks"},
     "cli": {"core", "input", "synth", "cluster", "pipeline", "pipeline/facts", "pipeline/run", "reader", "reader/access",
-            "reader/diamonds", "reader/blocks", "exporters", "verify", "verify/measure"},
+            "exporters", "verify", "verify/measure"},
 }
 # Only the cluster's ranks share MPI; what facts are does not depend on it.
 ALLOWED["pipeline/facts"] = ALLOWED["pipeline/facts"] - {"cluster"}
